@@ -1,0 +1,3 @@
+//! The `hydrostat` command: flags and glue around the core.
+
+fn main() {}

@@ -1,0 +1,80 @@
+//! The one error type of the crate.
+
+use std::fmt;
+
+/// What went wrong, where, and what to try.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Error {
+    message: String,
+    place: Option<Place>,
+    hint: Option<String>,
+}
+
+/// A place in a text that the user wrote.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Place {
+    /// Name of the file, as the user gave it.
+    pub file: String,
+    /// From 1.
+    pub line: usize,
+    /// From 1, in characters.
+    pub column: usize,
+    /// Characters to underline.
+    pub width: usize,
+    /// The line itself.
+    pub text: String,
+    /// Dotted path of the key, such as `material.niti54.density`; empty where there is none.
+    pub key: String,
+}
+
+impl Error {
+    /// An error with a message of one sentence: what was found, what was expected.
+    pub fn new(message: impl Into<String>) -> Self {
+        Error {
+            message: message.into(),
+            place: None,
+            hint: None,
+        }
+    }
+
+    /// Says where.
+    #[must_use]
+    pub fn at(mut self, place: Place) -> Self {
+        self.place = Some(place);
+        self
+    }
+
+    /// Says what to try.
+    #[must_use]
+    pub fn hint(mut self, hint: impl Into<String>) -> Self {
+        self.hint = Some(hint.into());
+        self
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.message)?;
+        if let Some(place) = &self.place {
+            let gutter = " ".repeat(place.line.to_string().len());
+            write!(f, "\n{gutter}--> {}:{}:{}", place.file, place.line, place.column)?;
+            if !place.key.is_empty() {
+                write!(f, ", key {}", place.key)?;
+            }
+            let indent: String = place
+                .text
+                .chars()
+                .take(place.column - 1)
+                .map(|c| if c == '\t' { '\t' } else { ' ' })
+                .collect();
+            write!(f, "\n{gutter} |\n{} | {}", place.line, place.text)?;
+            write!(f, "\n{gutter} | {indent}{}", "^".repeat(place.width.max(1)))?;
+        }
+        if let Some(hint) = &self.hint {
+            write!(f, "\nhint: {hint}")?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for Error {}

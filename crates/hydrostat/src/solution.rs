@@ -1,0 +1,65 @@
+//! What a solver returns.
+
+use crate::model::Pose;
+use nalgebra::{Matrix3, Vector3};
+
+/// An equilibrium shape with everything that says how far to trust it.
+#[derive(Clone, Debug)]
+pub struct Equilibrium {
+    pub tip: Pose,
+    /// Evenly spaced in s, both ends included.
+    pub stations: Vec<Station>,
+    pub checks: Vec<Check>,
+    pub report: Report,
+}
+
+/// The state of the backbone at one arc length.
+#[derive(Clone, Copy, Debug)]
+pub struct Station {
+    pub s: f64,
+    /// World frame.
+    pub position: Vector3<f64>,
+    /// Columns d1 d2 d3, world frame.
+    pub rotation: Matrix3<f64>,
+    /// Shear and stretch, body frame.
+    pub v: Vector3<f64>,
+    /// Bending and twist, body frame, 1/m.
+    pub u: Vector3<f64>,
+    /// Internal force n, world frame; limit from the base side at a jump.
+    pub force: Vector3<f64>,
+    /// Internal moment m, world frame; limit from the base side at a jump.
+    pub moment: Vector3<f64>,
+}
+
+/// A quantity held against its limit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Check {
+    pub name: &'static str,
+    pub value: f64,
+    pub limit: f64,
+    pub ok: bool,
+    /// Arc length of the worst place.
+    pub at: Option<f64>,
+}
+
+/// How the answer was found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Report {
+    pub method: Method,
+    /// Newton iterations on all meshes together.
+    pub iterations: usize,
+    /// Largest imbalance left, relative to the load's own moment at the base.
+    pub residual: f64,
+    /// Estimated largest error of a position, m.
+    pub error_estimate: f64,
+    /// None where the loads are not conservative.
+    pub stable: Option<bool>,
+    /// Of the energy's second variation scaled by the elastic stiffness; 1 for an unloaded rod.
+    pub smallest_eigenvalue: Option<f64>,
+}
+
+/// The solver that found it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    Shooting,
+}
