@@ -83,8 +83,8 @@ impl<'s> Data<'s> {
         let unit = Unit::parse(unit_text).map_err(|error| error.at(self.place(header)))?;
         kind.check(&unit, unit_text)
             .map_err(|error| error.at(self.place(header)))?;
-        let numbers = self.rows.iter().map(|row| self.number(&row[index], name));
-        let values = numbers.collect::<Result<Vec<f64>, Error>>()?;
+        let values = self.rows.iter().map(|row| self.number(&row[index], name, &unit));
+        let values = values.collect::<Result<Vec<f64>, Error>>()?;
         let decimals = self
             .rows
             .iter()
@@ -95,8 +95,8 @@ impl<'s> Data<'s> {
             name: name.to_string(),
             unit_text: unit_text.to_string(),
             unit,
-            values: values.into_iter().map(|value| unit.to_si(value)).collect(),
-            rounding: unit.to_si(0.5 * 10f64.powi(-decimals)),
+            values,
+            rounding: unit.to_si(&format!("5e{}", -decimals - 1)),
         })
     }
 
@@ -140,7 +140,7 @@ impl<'s> Data<'s> {
         }
     }
 
-    fn number(&self, cell: &Cell, column: &str) -> Result<f64, Error> {
+    fn number(&self, cell: &Cell, column: &str, unit: &Unit) -> Result<f64, Error> {
         let found = || {
             if cell.text.is_empty() {
                 "an empty cell".to_string()
@@ -149,7 +149,9 @@ impl<'s> Data<'s> {
             }
         };
         match cell.text.parse::<f64>() {
-            Ok(value) if value.is_finite() => Ok(value),
+            Ok(value) if value.is_finite() && unit.to_si(&cell.text).is_finite() => {
+                Ok(unit.to_si(&cell.text))
+            }
             _ => Err(self.error(
                 cell,
                 &format!("found {} in column \"{column}\", expected a number", found()),

@@ -222,7 +222,7 @@ fn read_input(table: &Table, data: &Data, length: f64, bench: &Bench) -> Result<
     }
     let input = Input {
         column: column.name.clone(),
-        unit: (column.unit_text.clone(), column.unit.to_si(1.0)),
+        unit: (column.unit_text.clone(), column.unit.size()),
         quantity: varied,
     };
     Ok((input, column))

@@ -1,6 +1,6 @@
 //! Built-in materials, and those of a robot file.
 
-use super::quantity::{DENSITY, FRACTION, STRESS};
+use super::quantity::{DENSITY, FRACTION, STRESS, rounded};
 use super::reader::{Node, Table, is_name, nearest};
 use crate::Error;
 use crate::model::Material;
@@ -202,8 +202,11 @@ fn read_youngs_modulus(table: &Table, warnings: &mut Vec<Error>) -> Result<f64, 
     let value = node.positive(&STRESS)?;
     if !(1e3..=1500e9).contains(&value) {
         warnings.push(
-            node.error(format!("a Young's modulus of {value:e} Pa is implausible"))
-                .hint("solids lie between 1 kPa (gels) and 1200 GPa (diamond)"),
+            node.error(format!(
+                "a Young's modulus of {:e} Pa is implausible",
+                rounded(value)
+            ))
+            .hint("solids lie between 1 kPa (gels) and 1200 GPa (diamond)"),
         );
     }
     Ok(value)
@@ -249,7 +252,7 @@ fn read_density(table: &Table, warnings: &mut Vec<Error>) -> Result<f64, Error> 
             "solids lie between 1 kg/m^3 (aerogels) and 22600 kg/m^3 (osmium)".to_string()
         };
         warnings.push(
-            node.error(format!("a density of {value} kg/m^3 is implausible"))
+            node.error(format!("a density of {} kg/m^3 is implausible", rounded(value)))
                 .hint(hint),
         );
     }

@@ -86,8 +86,8 @@ pub fn scalar(text: &str, kind: &Kind) -> Result<f64, Error> {
     if text.starts_with('[') {
         return Err(Error::new(format!("found a list, expected {}", kind.expected())));
     }
-    let (value, unit) = take_number(text, &kind.expected())?;
-    to_si(value, unit, kind)
+    let (number, unit) = take_number(text, &kind.expected())?;
+    to_si(number, unit, kind)
 }
 
 /// Reads three components, in SI.
@@ -112,13 +112,13 @@ fn bracketed(text: &str, kind: &Kind, expected: &str) -> Result<Vec<f64>, Error>
     let inner = text.trim().strip_prefix('[').ok_or_else(malformed)?;
     let (inner, unit) = inner.split_once(']').ok_or_else(malformed)?;
     let component = |piece: &str| match take_number(piece.trim(), expected)? {
-        (value, "") => to_si(value, unit, kind),
+        (number, "") => to_si(number, unit, kind),
         _ => Err(malformed()),
     };
     inner.split(',').map(component).collect()
 }
 
-fn to_si(value: f64, unit: &str, kind: &Kind) -> Result<f64, Error> {
+fn to_si(number: &str, unit: &str, kind: &Kind) -> Result<f64, Error> {
     let unit = unit.trim();
     if unit.is_empty() {
         return Err(Error::new(format!(
@@ -134,18 +134,24 @@ fn to_si(value: f64, unit: &str, kind: &Kind) -> Result<f64, Error> {
     }
     let parsed = Unit::parse(unit)?;
     kind.check(&parsed, unit)?;
-    let si = parsed.to_si(value);
-    if !si.is_finite() || (si == 0.0 && value != 0.0) {
+    let si = parsed.to_si(number);
+    let zero = !number
+        .split(['e', 'E'])
+        .next()
+        .unwrap_or("")
+        .contains(|c| ('1'..='9').contains(&c));
+    if !si.is_finite() || (si == 0.0 && !zero) {
         let size = if si == 0.0 { "small" } else { "large" };
         return Err(Error::new(format!(
-            "{value} {unit} is too {size} to compute with"
+            "{} is too {size} to compute with",
+            quoted(&format!("{number} {unit}"))
         )));
     }
     Ok(si)
 }
 
 /// Splits a text that starts with a number; what follows is trimmed.
-fn take_number<'t>(text: &'t str, expected: &str) -> Result<(f64, &'t str), Error> {
+fn take_number<'t>(text: &'t str, expected: &str) -> Result<(&'t str, &'t str), Error> {
     let (number, rest) = text.split_at(number_length(text.as_bytes()));
     if number.is_empty() {
         let word = text.trim_start_matches(['+', '-']).to_ascii_lowercase();
@@ -159,13 +165,12 @@ fn take_number<'t>(text: &'t str, expected: &str) -> Result<(f64, &'t str), Erro
         };
         return Err(Error::new(format!("found {found}, expected {expected}")));
     }
-    match number.parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok((value, rest.trim_start())),
-        _ => Err(Error::new(format!(
-            "{} is too large to compute with",
-            quoted(number)
-        ))),
-    }
+    Ok((number, rest.trim_start()))
+}
+
+/// A value for a message, to 6 digits.
+pub(super) fn rounded(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(f64::NAN)
 }
 
 /// Length in bytes of the decimal number at the start: sign, digits, point, exponent; 0 where there is none.

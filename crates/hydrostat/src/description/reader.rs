@@ -53,11 +53,20 @@ impl<'t> Source<'t> {
     /// The table of the whole file.
     pub(super) fn parse(&'t self) -> Result<Node<'t>, Error> {
         let table = DeTable::parse(self.text).map_err(|error| {
-            let message = error.message().replace('\n', ", ");
-            Error::new(format!("not TOML: {message}")).at(self.place(error.span().unwrap_or(0..0), ""))
+            let place = self.place(error.span().unwrap_or(0..0), "");
+            let bare_unit = place.text.contains('=') && !place.text.contains(['"', '\'']);
+            let error = Error::new(format!("not TOML: {}", error.message().replace('\n', ", ")));
+            let hint = "texts and values with a unit stand in quotes: \"390 mm\"";
+            if bare_unit {
+                error.at(place).hint(hint)
+            } else {
+                error.at(place)
+            }
         })?;
         if table.get_ref().is_empty() {
-            return Err(Error::new("the file is empty").at(self.place(0..0, "")));
+            return Err(Error::new("the file is empty")
+                .at(self.place(0..0, ""))
+                .hint("`hydrostat new rod NAME` and `hydrostat new bench NAME` write first files"));
         }
         Ok(self.table(table.into_inner(), 0..0, String::new()))
     }

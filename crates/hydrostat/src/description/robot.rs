@@ -1,6 +1,6 @@
 //! Reads a robot file.
 
-use super::quantity::{ACCELERATION, LENGTH};
+use super::quantity::{ACCELERATION, LENGTH, rounded};
 use super::reader::{Node, Source, Table, is_name};
 use super::{Parsed, load, materials, section};
 use crate::Error;
@@ -71,8 +71,11 @@ fn read_gravity(table: &Table, warnings: &mut Vec<Error>) -> Result<Vector3<f64>
     let gravity = node.vector(&ACCELERATION)?;
     if gravity.norm() > FASTEST_GRAVITY {
         warnings.push(
-            node.error(format!("a gravity of {:.4} m/s^2 is implausible", gravity.norm()))
-                .hint("the Earth's is 9.81 m/s^2"),
+            node.error(format!(
+                "a gravity of {} m/s^2 is implausible",
+                rounded(gravity.norm())
+            ))
+            .hint("the Earth's is 9.81 m/s^2"),
         );
     }
     Ok(gravity)

@@ -1,7 +1,7 @@
 //! Reads `[[section]]`: length, profile, rest curvature and guides.
 
 use super::materials;
-use super::quantity::{CURVATURE, LENGTH, MASS};
+use super::quantity::{CURVATURE, LENGTH, MASS, rounded};
 use super::reader::{Node, Table};
 use super::robot::read_name;
 use crate::Error;
@@ -54,7 +54,7 @@ pub(super) fn read(
         let thickness = 2.0 * reach(&section.profile.base).max(reach(&section.profile.tip));
         if length < LEAST_SLENDERNESS * thickness {
             let message = format!(
-                "the robot is only {:.2} times as long as it is thick",
+                "the robot is only {} times as long as it is thick",
                 length / thickness
             );
             warnings.push(
@@ -212,9 +212,9 @@ fn read_rest_curvature(
             )));
     }
     if let Some(limit) = material.strain_limit.filter(|limit| strain > *limit) {
-        let (strain, limit) = (100.0 * strain, 100.0 * limit);
+        let (strain, limit) = (rounded(100.0 * strain), rounded(100.0 * limit));
         warnings.push(node.error(format!(
-            "straightening this rest curvature strains the section by {strain:.3} %, over the limit of {limit:.3} %"
+            "straightening this rest curvature strains the section by {strain} %, over the limit of {limit} %"
         )));
     }
     Ok(curvature)
@@ -300,8 +300,7 @@ fn listed(node: &Node, length: f64) -> Result<Vec<f64>, Error> {
     Ok(positions)
 }
 
-/// A length for a message, to 6 digits.
+/// A length for a message.
 pub(super) fn in_mm(length: f64) -> String {
-    let digits = format!("{:.5e}", length * 1e3);
-    format!("{} mm", digits.parse::<f64>().unwrap_or(f64::NAN))
+    format!("{} mm", rounded(length * 1e3))
 }

@@ -16,7 +16,7 @@ const ANGLE: Dimension = [0, 0, 0, 1];
 const FORCE: Dimension = [1, 1, -2, 0];
 const PRESSURE: Dimension = [-1, 1, -2, 0];
 
-/// A unit of size factor x 10^ten in SI; kept apart so that "6.45 g/cm^3" is 6450 to the last bit.
+/// A unit of size factor x 10^ten in SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unit {
     factor: f64,
@@ -122,14 +122,22 @@ impl Unit {
         Ok(product)
     }
 
-    /// A value in this unit, in SI.
-    pub fn to_si(&self, value: f64) -> f64 {
-        let value = value * self.factor;
-        if self.ten < 0 {
-            value / 10f64.powi(-self.ten)
-        } else {
-            value * 10f64.powi(self.ten)
-        }
+    /// The size of this unit in SI.
+    pub fn size(&self) -> f64 {
+        self.factor * 10f64.powi(self.ten)
+    }
+
+    /// A decimal number in this unit, in SI; the power of ten is taken in decimal, so that "34.87 cm" is 0.3487.
+    pub(super) fn to_si(&self, number: &str) -> f64 {
+        let (mantissa, exponent) = number.split_once(['e', 'E']).unwrap_or((number, "0"));
+        let exponent = exponent
+            .parse::<i64>()
+            .map(|exponent| exponent.saturating_add(self.ten.into()));
+        let shifted = match exponent {
+            Ok(exponent) => format!("{mantissa}e{exponent}").parse::<f64>(),
+            Err(_) => number.parse(), // beyond any power of ten: zero or infinite either way
+        };
+        shifted.unwrap_or(f64::NAN) * self.factor
     }
 
     fn times(&self, other: &Unit, exponent: i32) -> Unit {
@@ -186,7 +194,10 @@ fn unknown(name: &str) -> Error {
 fn nearest(name: &str) -> Option<String> {
     let halves = name.char_indices().skip(1).map(|(i, _)| name.split_at(i));
     for (a, b) in halves {
-        if find(a).is_some_and(|unit| unit.dimension != NONE) && find(b).is_some() {
+        if let (Some(first), Some(second)) = (find(a), find(b))
+            && first.dimension != second.dimension
+            && first.dimension != NONE
+        {
             return Some(format!("{a} {b}"));
         }
         if find(a).is_some() && matches!(b, "2" | "3") {
@@ -200,10 +211,12 @@ fn nearest(name: &str) -> Option<String> {
         .map(str::to_string)
 }
 
-/// Quotes a piece of the user's text, cut where it is long.
+/// Quotes a piece of the user's text: one line, cut where it is long.
 pub(super) fn quoted(text: &str) -> String {
-    if text.chars().count() <= LONGEST {
-        return format!("\"{text}\"");
-    }
-    format!("\"{}...\"", text.chars().take(LONGEST).collect::<String>())
+    let line = |c: char| if c.is_control() { ' ' } else { c };
+    let dots = if text.chars().count() > LONGEST { "..." } else { "" };
+    format!(
+        "\"{}{dots}\"",
+        text.chars().take(LONGEST).map(line).collect::<String>()
+    )
 }
