@@ -6,7 +6,7 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Error {
     message: String,
-    place: Option<Place>,
+    place: Option<Box<Place>>,
     hint: Option<String>,
 }
 
@@ -36,8 +36,25 @@ impl Error {
     /// Says where.
     #[must_use]
     pub fn at(mut self, place: Place) -> Self {
-        self.place = Some(place);
+        self.place = Some(Box::new(place));
         self
+    }
+
+    /// Says where, unless a place is known already.
+    #[must_use]
+    pub fn or_at(mut self, place: impl FnOnce() -> Place) -> Self {
+        self.place.get_or_insert_with(|| Box::new(place()));
+        self
+    }
+
+    /// The sentence alone.
+    pub fn message(&self) -> &str {
+        &self.message
+    }
+
+    /// Where it is, if it comes from a text.
+    pub fn place(&self) -> Option<&Place> {
+        self.place.as_deref()
     }
 
     /// Says what to try.

@@ -5,6 +5,7 @@
 //! SI units throughout; arc length `s` runs from the base (0) to the tip along the unstretched backbone.
 
 // what the robot is
+pub mod description;
 pub mod error;
 pub mod model;
 

@@ -1,6 +1,6 @@
 //! What the robot is: numbers in SI units, checked by whoever builds them (see `description`).
 
-use nalgebra::{Rotation3, Vector3};
+use nalgebra::{Rotation3, Unit, Vector3};
 use std::f64::consts::PI;
 
 /// A robot: a clamped backbone of sections in series, base to tip, and what loads it.
@@ -20,6 +20,19 @@ pub struct Robot {
 pub struct Pose {
     pub position: Vector3<f64>,
     pub rotation: Rotation3<f64>,
+}
+
+impl Pose {
+    /// This pose turned about the z axis of `axes`, from its x to its y.
+    #[must_use]
+    pub fn turned(&self, axes: &Pose, angle: f64) -> Pose {
+        let z = Unit::new_normalize(axes.rotation * Vector3::z());
+        let turn = Rotation3::from_axis_angle(&z, angle);
+        Pose {
+            position: axes.position + turn * (self.position - axes.position),
+            rotation: turn * self.rotation,
+        }
+    }
 }
 
 /// A piece of backbone of one material.

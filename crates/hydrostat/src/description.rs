@@ -1,0 +1,29 @@
+//! Text in, a robot or an experiment out. The format is `docs/format.md`.
+
+pub mod builtin;
+mod data;
+mod experiment;
+mod load;
+pub mod materials;
+pub mod quantity;
+mod reader;
+mod robot;
+mod section;
+pub mod templates;
+pub mod unit;
+
+#[cfg(test)]
+mod format_test;
+
+pub use experiment::parse_experiment;
+pub use robot::parse_robot;
+
+use crate::Error;
+
+/// What a text describes, with what is implausible about it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parsed<T> {
+    pub value: T,
+    /// To be shown to the user; none of them prevents a solution.
+    pub warnings: Vec<Error>,
+}

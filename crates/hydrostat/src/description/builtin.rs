@@ -1,0 +1,37 @@
+//! The files that the program carries: the rod and the bench of Gray 2009.
+
+use super::{Parsed, parse_experiment, parse_robot};
+use crate::verify::Experiment;
+use crate::{Error, Robot};
+
+pub const ROBOT: &str = include_str!("../../../../robots/gray2009_rod.toml");
+pub const EXPERIMENT: &str = include_str!("../../../../experiments/gray2009/stated.toml");
+pub const FITTED_EXPERIMENT: &str = include_str!("../../../../experiments/gray2009/fitted_weight.toml");
+pub const TABLE: &str = include_str!("../../../../experiments/gray2009/table2.csv");
+
+const ROBOT_PATH: &str = "../../robots/gray2009_rod.toml";
+const TABLE_PATH: &str = "table2.csv";
+
+/// The rod of Gray 2009.
+pub fn robot() -> Result<Parsed<Robot>, Error> {
+    parse_robot(ROBOT, "robots/gray2009_rod.toml")
+}
+
+/// Table 2 of Gray 2009, with the values that the thesis states.
+pub fn experiment() -> Result<Parsed<Experiment>, Error> {
+    parse_experiment(EXPERIMENT, "experiments/gray2009/stated.toml", &mut load)
+}
+
+/// The same with the weight that the thesis's own prediction was made with.
+pub fn fitted_experiment() -> Result<Parsed<Experiment>, Error> {
+    parse_experiment(FITTED_EXPERIMENT, "experiments/gray2009/fitted_weight.toml", &mut load)
+}
+
+/// Fetches a carried file by the path that the carried experiments give it.
+fn load(path: &str) -> Result<String, Error> {
+    match path {
+        ROBOT_PATH => Ok(ROBOT.to_string()),
+        TABLE_PATH => Ok(TABLE.to_string()),
+        _ => Err(Error::new(format!("no file \"{path}\" is built in"))),
+    }
+}

@@ -1,0 +1,194 @@
+//! Tables of measurements: CSV with the unit in each header, as in `mass [g]`.
+
+use super::quantity::Kind;
+use super::reader::{Node, Source, nearest};
+use super::unit::{Unit, quoted};
+use crate::Error;
+use std::ops::Range;
+
+/// The cells of a CSV file, as written.
+#[derive(Debug)]
+pub(super) struct Data<'s> {
+    source: &'s Source<'s>,
+    headers: Vec<Cell>,
+    rows: Vec<Vec<Cell>>,
+}
+
+#[derive(Debug)]
+struct Cell {
+    text: String,
+    span: Range<usize>,
+}
+
+/// One column of numbers.
+#[derive(Clone, Debug)]
+pub(super) struct Column {
+    /// Header without its unit.
+    pub name: String,
+    pub unit_text: String,
+    pub unit: Unit,
+    /// SI, one per row.
+    pub values: Vec<f64>,
+    /// Half a unit of the last printed digit, SI.
+    pub rounding: f64,
+}
+
+impl<'s> Data<'s> {
+    pub(super) fn parse(source: &'s Source<'s>) -> Result<Self, Error> {
+        let mut lines = lines(source.text).map(|span| cells(source, span));
+        let empty = || Error::new("the file has no rows of data").at(source.place(0..0, ""));
+        let headers = lines.next().ok_or_else(empty)??;
+        let mut rows = Vec::new();
+        for row in lines {
+            let row = row?;
+            if row.len() != headers.len() {
+                let (found, expected) = (row.len(), headers.len());
+                let span = row[0].span.start..row[row.len() - 1].span.end;
+                let error = Error::new(format!("found {found} cells, but the header has {expected}"));
+                return Err(error
+                    .at(source.place(span, ""))
+                    .hint("cells are separated by commas; decimals are written with a point"));
+            }
+            rows.push(row);
+        }
+        if rows.is_empty() {
+            return Err(empty());
+        }
+        Ok(Data { source, headers, rows })
+    }
+
+    pub(super) fn rows(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// The column that a key of the experiment file names, by its name or its whole header.
+    pub(super) fn column(&self, key: &Node, kind: &Kind) -> Result<Column, Error> {
+        let index = self.find(key)?;
+        let header = &self.headers[index];
+        let (name, unit_text) = split_header(&header.text);
+        let unit_text = unit_text.ok_or_else(|| {
+            let error = self
+                .error(header, &format!("the column \"{name}\" has no unit, expected {}", kind.expected()));
+            error.hint(format!("write the unit in brackets, as in \"{name} [{}]\"", kind.unit))
+        })?;
+        let unit = Unit::parse(unit_text).map_err(|error| error.at(self.place(header)))?;
+        kind.check(&unit, unit_text).map_err(|error| error.at(self.place(header)))?;
+        let values = self.rows.iter().map(|row| self.number(&row[index], name, &unit));
+        let values = values.collect::<Result<Vec<f64>, Error>>()?;
+        let decimals = self.rows.iter().map(|row| decimals(&row[index].text)).max().unwrap_or(0);
+        Ok(Column {
+            name: name.to_string(),
+            unit_text: unit_text.to_string(),
+            unit,
+            values,
+            rounding: unit.to_si(&format!("5e{}", -decimals - 1)),
+        })
+    }
+
+    fn find(&self, key: &Node) -> Result<usize, Error> {
+        let wanted = key.text("the name of a column")?.trim();
+        let headers: Vec<&str> = self.headers.iter().map(|cell| cell.text.as_str()).collect();
+        if let Some(exact) = headers.iter().position(|header| *header == wanted) {
+            return Ok(exact);
+        }
+        let named: Vec<usize> =
+            (0..headers.len()).filter(|i| split_header(headers[*i]).0 == wanted).collect();
+        match named[..] {
+            [index] => Ok(index),
+            [] => {
+                let names: Vec<&str> = headers.iter().map(|header| split_header(header).0).collect();
+                let message = format!("{} has no column {}", self.source.file, quoted(wanted));
+                Err(key.error(message).hint(match nearest(wanted, &names) {
+                    Some(name) => format!("did you mean \"{name}\"?"),
+                    None => format!("its columns: {}", headers.join(", ")),
+                }))
+            }
+            _ => {
+                let named: Vec<&str> = named.iter().map(|i| headers[*i]).collect();
+                Err(key
+                    .error(format!("{} has several columns {}", self.source.file, quoted(wanted)))
+                    .hint(format!("give the whole header: {}", named.join(" or "))))
+            }
+        }
+    }
+
+    /// Where a value of a column stands, for an error found later.
+    pub(super) fn error_in(&self, key: &Node, row: usize, message: &str) -> Error {
+        match self.find(key) {
+            Ok(index) => self.error(&self.rows[row][index], message),
+            Err(error) => error,
+        }
+    }
+
+    fn number(&self, cell: &Cell, column: &str, unit: &Unit) -> Result<f64, Error> {
+        let found = || {
+            if cell.text.is_empty() { "an empty cell".to_string() } else { quoted(&cell.text) }
+        };
+        match cell.text.parse::<f64>() {
+            Ok(value) if value.is_finite() && unit.to_si(&cell.text).is_finite() => {
+                Ok(unit.to_si(&cell.text))
+            }
+            _ => {
+                Err(self.error(cell, &format!("found {} in column \"{column}\", expected a number", found())))
+            }
+        }
+    }
+
+    fn place(&self, cell: &Cell) -> crate::error::Place {
+        self.source.place(cell.span.clone(), "")
+    }
+
+    fn error(&self, cell: &Cell, message: &str) -> Error {
+        Error::new(message).at(self.place(cell))
+    }
+}
+
+/// The lines with data: not blank, no `#` comment.
+fn lines(text: &str) -> impl Iterator<Item = Range<usize>> {
+    let text_start = if text.starts_with('\u{feff}') { 3 } else { 0 }; // byte order mark of spreadsheets
+    let mut end = text_start;
+    text[text_start..].split_inclusive('\n').filter_map(move |line| {
+        let start = end;
+        end += line.len();
+        let content = line.trim();
+        (!content.is_empty() && !content.starts_with('#')).then(|| start..start + line.trim_end().len())
+    })
+}
+
+/// The cells of one line; the csv crate reads quotes, and a quoted cell ends with its line.
+fn cells(source: &Source, line: Range<usize>) -> Result<Vec<Cell>, Error> {
+    let text = &source.text[line.clone()];
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .terminator(csv::Terminator::Any(b'\n'))
+        .from_reader(text.as_bytes());
+    let record = match reader.records().next() {
+        Some(Ok(record)) => record,
+        _ => return Err(Error::new("this line is not CSV").at(source.place(line, ""))),
+    };
+    let mut from = line.start;
+    let cell = |field: &str| {
+        let field = field.trim();
+        // A cell with doubled quotes is not found as written: then only its start is underlined.
+        let found = source.text[from..line.end].find(field).map(|at| from + at);
+        let span = found.map_or(from..from, |start| start..start + field.len());
+        from = source.text[span.end..line.end].find(',').map_or(span.end, |at| span.end + at + 1);
+        Cell { text: field.to_string(), span }
+    };
+    Ok(record.iter().map(cell).collect())
+}
+
+/// `mass [g]` -> (`mass`, `g`).
+fn split_header(header: &str) -> (&str, Option<&str>) {
+    match header.strip_suffix(']').and_then(|header| header.rsplit_once('[')) {
+        Some((name, unit)) => (name.trim(), Some(unit.trim())),
+        None => (header, None),
+    }
+}
+
+/// Digits after the point; an exponent shifts them.
+fn decimals(number: &str) -> i32 {
+    let (mantissa, exponent) = number.split_once(['e', 'E']).unwrap_or((number, "0"));
+    let digits = mantissa.split_once('.').map_or(0, |(_, decimals)| decimals.len()) as i32;
+    digits.saturating_sub(exponent.parse().unwrap_or(0)).clamp(-300, 300)
+}

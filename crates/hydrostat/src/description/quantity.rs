@@ -1,0 +1,181 @@
+//! Values with a unit, such as `"390 mm"` or `"[0, -9.81, 0] m/s^2"`.
+
+use super::unit::{Dimension, Unit, quoted};
+use crate::Error;
+use nalgebra::Vector3;
+
+/// What a value measures, and how to name it in a message.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kind {
+    /// As in "expected a length".
+    pub name: &'static str,
+    /// As in `such as "390 mm"`.
+    pub example: &'static str,
+    /// The SI unit.
+    pub unit: &'static str,
+    dimension: Dimension,
+}
+
+macro_rules! kinds {
+    ($($constant:ident $name:literal $example:literal $unit:literal $dimension:expr;)*) => {
+        $(#[allow(missing_docs)]
+        pub const $constant: Kind =
+            Kind { name: $name, example: $example, unit: $unit, dimension: $dimension };)*
+        const KINDS: &[Kind] = &[$($constant),*];
+    };
+}
+
+// The first of two kinds with the same dimension is the one that a message names as found.
+kinds! {
+    LENGTH "a length" "390 mm" "m" [1, 0, 0, 0];
+    AREA "an area" "1.9 mm^2" "m^2" [2, 0, 0, 0];
+    VOLUME "a volume" "2 cm^3" "m^3" [3, 0, 0, 0];
+    MASS "a mass" "20 g" "kg" [0, 1, 0, 0];
+    DENSITY "mass per volume" "6450 kg/m^3" "kg/m^3" [-3, 1, 0, 0];
+    MASS_PER_LENGTH "mass per length" "12 g/m" "kg/m" [-1, 1, 0, 0];
+    TIME "a time" "2 s" "s" [0, 0, 1, 0];
+    SPEED "a speed" "10 mm/s" "m/s" [1, 0, -1, 0];
+    ACCELERATION "an acceleration" "9.81 m/s^2" "m/s^2" [1, 0, -2, 0];
+    FORCE "a force" "0.5 N" "N" [1, 1, -2, 0];
+    FORCE_PER_LENGTH "force per length" "0.5 N/m" "N/m" [0, 1, -2, 0];
+    MOMENT "a moment" "0.5 N m" "N m" [2, 1, -2, 0];
+    MOMENT_PER_LENGTH "moment per length" "0.5 N" "N" [1, 1, -2, 0];
+    STRESS "force per area" "54 GPa" "Pa" [-1, 1, -2, 0];
+    CURVATURE "a curvature" "2 1/m" "1/m" [-1, 0, 0, 0];
+    ANGLE "an angle" "30 deg" "rad" [0, 0, 0, 1];
+    FRACTION "a fraction" "1 %" "1" [0, 0, 0, 0];
+    FREQUENCY "a frequency" "2 Hz" "Hz" [0, 0, -1, 0];
+}
+
+impl Kind {
+    /// The end of a message: `mass per volume, such as "6450 kg/m^3"`.
+    pub fn expected(&self) -> String {
+        format!("{}, such as \"{}\"", self.name, self.example)
+    }
+
+    /// The same for three components.
+    pub fn expected_vector(&self) -> String {
+        format!("three components, such as \"[0, 0, 1] {}\"", self.unit)
+    }
+
+    /// The same for a list.
+    pub fn expected_list(&self) -> String {
+        format!("a list, such as \"[1, 2, 3] {}\"", self.unit)
+    }
+
+    /// Refuses a unit of another kind; a curvature may be given in rad/m.
+    pub(super) fn check(&self, unit: &Unit, text: &str) -> Result<(), Error> {
+        let [m, kg, s, rad] = unit.dimension;
+        let fits =
+            unit.dimension == self.dimension || (*self == CURVATURE && [m, kg, s, rad] == [-1, 0, 0, 1]);
+        if fits {
+            return Ok(());
+        }
+        let found = KINDS.iter().find(|kind| kind.dimension == unit.dimension);
+        let found =
+            found.map_or_else(|| format!("a quantity in {}", quoted(text)), |kind| kind.name.to_string());
+        Err(Error::new(format!("found {found}, expected {}", self.expected())))
+    }
+}
+
+/// Reads one value, in SI.
+pub fn scalar(text: &str, kind: &Kind) -> Result<f64, Error> {
+    let text = text.trim();
+    if text.starts_with('[') {
+        return Err(Error::new(format!("found a list, expected {}", kind.expected())));
+    }
+    let (number, unit) = take_number(text, &kind.expected())?;
+    to_si(number, unit, kind)
+}
+
+/// Reads three components, in SI.
+pub fn vector(text: &str, kind: &Kind) -> Result<Vector3<f64>, Error> {
+    let expected = kind.expected_vector();
+    match bracketed(text, kind, &expected)?[..] {
+        [x, y, z] => Ok(Vector3::new(x, y, z)),
+        ref other => Err(Error::new(format!("found a list of {}, expected {expected}", other.len()))),
+    }
+}
+
+/// Reads a list of any length, in SI.
+pub fn list(text: &str, kind: &Kind) -> Result<Vec<f64>, Error> {
+    bracketed(text, kind, &kind.expected_list())
+}
+
+fn bracketed(text: &str, kind: &Kind, expected: &str) -> Result<Vec<f64>, Error> {
+    let malformed = || Error::new(format!("found {}, expected {expected}", quoted(text.trim())));
+    let inner = text.trim().strip_prefix('[').ok_or_else(malformed)?;
+    let (inner, unit) = inner.split_once(']').ok_or_else(malformed)?;
+    let component = |piece: &str| match take_number(piece.trim(), expected)? {
+        (number, "") => to_si(number, unit, kind),
+        _ => Err(malformed()),
+    };
+    inner.split(',').map(component).collect()
+}
+
+fn to_si(number: &str, unit: &str, kind: &Kind) -> Result<f64, Error> {
+    let unit = unit.trim();
+    if unit.is_empty() {
+        return Err(Error::new(format!("found a number without a unit, expected {}", kind.expected())));
+    }
+    if unit.starts_with([',', '.']) {
+        return Err(Error::new(format!("found {} after a number, expected a unit", quoted(unit)))
+            .hint("write decimals with a point and thousands without a mark: 1.5, 2000"));
+    }
+    let parsed = Unit::parse(unit)?;
+    kind.check(&parsed, unit)?;
+    let si = parsed.to_si(number);
+    let zero = !number.split(['e', 'E']).next().unwrap_or("").contains(|c| ('1'..='9').contains(&c));
+    if !si.is_finite() || (si == 0.0 && !zero) {
+        let size = if si == 0.0 { "small" } else { "large" };
+        return Err(Error::new(format!(
+            "{} is too {size} to compute with",
+            quoted(&format!("{number} {unit}"))
+        )));
+    }
+    Ok(si)
+}
+
+/// Splits a text that starts with a number; what follows is trimmed.
+fn take_number<'t>(text: &'t str, expected: &str) -> Result<(&'t str, &'t str), Error> {
+    let (number, rest) = text.split_at(number_length(text.as_bytes()));
+    if number.is_empty() {
+        let word = text.trim_start_matches(['+', '-']).to_ascii_lowercase();
+        if word.starts_with("nan") || word.starts_with("inf") {
+            return Err(Error::new(format!("{} is not a finite number", quoted(text))));
+        }
+        let found = if text.is_empty() { "an empty text".to_string() } else { quoted(text) };
+        return Err(Error::new(format!("found {found}, expected {expected}")));
+    }
+    Ok((number, rest.trim_start()))
+}
+
+/// A value for a message, to 6 digits.
+pub(super) fn rounded(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(f64::NAN)
+}
+
+/// Length in bytes of the decimal number at the start: sign, digits, point, exponent; 0 where there is none.
+fn number_length(text: &[u8]) -> usize {
+    let digits = |from: usize| text[from..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+    let is = |at: usize, set: &[u8]| text.get(at).is_some_and(|byte| set.contains(byte));
+    let mut end = usize::from(is(0, b"+-"));
+    let mut count = digits(end);
+    end += count;
+    if is(end, b".") {
+        let decimals = digits(end + 1);
+        count += decimals;
+        end += 1 + decimals;
+    }
+    if count == 0 {
+        return 0;
+    }
+    if is(end, b"eE") {
+        let sign = usize::from(is(end + 1, b"+-"));
+        let exponent = digits((end + 1 + sign).min(text.len()));
+        if exponent > 0 {
+            end += 1 + sign + exponent;
+        }
+    }
+    end
+}
