@@ -1,0 +1,1 @@
+//! Random rods, each answer checked without the solver.
