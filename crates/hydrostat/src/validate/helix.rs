@@ -19,7 +19,7 @@ pub(super) fn cases() -> Vec<Case> {
         source: "exact: constant strains, Love 1927, art. 270-271, extended to stretch and shear",
         reason: "the solver is asked for 1e-10 L",
     };
-    [(0.5, 30.0), (1.0, 30.0), (1.0, 60.0)]
+    [(0.5, 30.0), (0.75, 30.0), (0.75, 60.0)]
         .into_iter()
         .flat_map(|(turns, pitch_angle)| helix(group, turns, pitch_angle))
         .collect()
@@ -56,25 +56,19 @@ fn helix(group: Group, turns: f64, pitch_angle: f64) -> [Case; 4] {
 
     let solved = solve(&robot);
     let name = format!("{turns} turns, pitch angle {pitch_angle} deg");
-    let mut index = 0;
-    let axes = ["x", "y", "z"].map(|axis| {
-        let i = index;
-        index += 1;
-        group.case(
-            format!("{name}, tip {axis} / L"),
-            tip[i],
-            read(&solved, |e| e.tip.position[i]),
-            1e-9,
-        )
-    });
-    let [x, y, z] = axes;
+    let position = |axis: usize| {
+        let label = ["x", "y", "z"][axis];
+        let ours = read(&solved, |e| e.tip.position[axis]);
+        group.case(format!("{name}, tip {label} / L"), tip[axis], ours, 1e-9)
+    };
     let angle = group.case(
-        format!("{name}, angle between tip and exact tip [rad]"),
+        format!("{name}, angle from the exact tip [rad]"),
         0.0,
+        // |R - S| = 2 sqrt(2) sin(angle / 2)
         read(&solved, |e| {
-            2.0 * (0.5_f64.sqrt() * 0.5 * (e.tip.rotation.matrix() - rotation.matrix()).norm()).asin()
+            2.0 * ((e.tip.rotation.matrix() - rotation.matrix()).norm() / 8_f64.sqrt()).asin()
         }),
-        1e-8,
+        1e-9,
     );
-    [x, y, z, angle]
+    [position(0), position(1), position(2), angle]
 }

@@ -147,6 +147,7 @@ fn solve(robot: &Robot) -> Result<Equilibrium, String> {
     let settings = Settings {
         tolerance: TOLERANCE,
         stations: 3,
+        ..Settings::default()
     };
     statics::solve(robot, &settings).map_err(|error| error.to_string())
 }
