@@ -1,1 +1,0 @@
-//! Random rods, each answer checked without the solver.
