@@ -29,7 +29,7 @@ impl Defects {
     pub fn largest(&self) -> f64 {
         [self.base, self.balance, self.tip, self.section_law, self.rotation]
             .into_iter()
-            .fold(0.0, |a, b| if b <= a { a } else { b })
+            .fold(0.0, larger)
     }
 }
 
@@ -44,8 +44,6 @@ pub fn defects(robot: &Robot, found: &Equilibrium) -> Defects {
     };
     let states: Vec<State> = found.stations.iter().map(State::of).collect();
     let sum = |a: f64, b: f64| a + b;
-    // NaN must not vanish in a maximum
-    let max = |a: f64, b: f64| if b <= a { a } else { b };
     let base = State {
         position: robot.base.position,
         rotation: *robot.base.rotation.matrix(),
@@ -63,12 +61,17 @@ pub fn defects(robot: &Robot, found: &Equilibrium) -> Defects {
             .stations
             .iter()
             .map(|station| check.section_law(station))
-            .fold(0.0, max),
+            .fold(0.0, larger),
         rotation: states
             .iter()
             .map(|state| (state.rotation.transpose() * state.rotation - Matrix3::identity()).norm())
-            .fold(0.0, max),
+            .fold(0.0, larger),
     }
+}
+
+/// The larger of two numbers; NaN, which `f64::max` drops, is the largest.
+fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b <= a { a } else { b }
 }
 
 /// State of a cross-section, world frame; also its derivative by s.

@@ -58,17 +58,13 @@ pub fn sweep(count: usize, seed: u64) -> Sweep {
 impl Sweep {
     fn add(&mut self, index: usize, robot: &Robot, found: &Equilibrium, settings: &Settings) {
         let defect = defects(robot, found).largest();
-        if !(defect <= self.worst.0) {
-            self.worst = (defect, index);
-        }
-        let error = if index % SUBSAMPLE == 0 {
+        self.worst = worse(self.worst, (defect, index));
+        let error = if index.is_multiple_of(SUBSAMPLE) {
             distance_from_finer(robot, found, settings)
         } else {
             0.0
         };
-        if !(error <= self.worst_error.0) {
-            self.worst_error = (error, index);
-        }
+        self.worst_error = worse(self.worst_error, (error, index));
         if defect <= LARGEST_DEFECT && error <= settings.tolerance {
             self.converged += 1;
             self.unstable += usize::from(found.report.stable == Some(false));
@@ -161,6 +157,11 @@ fn distance_from_finer(robot: &Robot, found: &Equilibrium, settings: &Settings) 
         .zip(&finer.stations)
         .map(|(a, b)| (a.position - b.position).norm());
     distances.fold(0.0, f64::max) / robot.length()
+}
+
+/// The larger of two; NaN is the worst of all.
+fn worse(a: (f64, usize), b: (f64, usize)) -> (f64, usize) {
+    if a.0.is_nan() || b.0 <= a.0 { a } else { b }
 }
 
 /// A message up to its first number.
