@@ -30,11 +30,7 @@ pub struct Place {
 impl Error {
     /// An error with a message of one sentence: what was found, what was expected.
     pub fn new(message: impl Into<String>) -> Self {
-        Error {
-            message: message.into(),
-            place: None,
-            hint: None,
-        }
+        Error { message: message.into(), place: None, hint: None }
     }
 
     /// Says where.

@@ -90,12 +90,7 @@ pub struct Load {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LoadKind {
     /// A force and a moment at one arc length.
-    Point {
-        at: f64,
-        force: Vector3<f64>,
-        moment: Vector3<f64>,
-        frame: Frame,
-    },
+    Point { at: f64, force: Vector3<f64>, moment: Vector3<f64>, frame: Frame },
     /// A hung mass: its weight along gravity.
     Mass { at: f64, mass: f64 },
     /// Force and moment per reference length between two arc lengths.
@@ -149,10 +144,9 @@ impl CrossSection {
     pub fn area(&self) -> f64 {
         match *self {
             CrossSection::Round { diameter } => PI / 4.0 * diameter.powi(2),
-            CrossSection::Tube {
-                diameter,
-                inner_diameter,
-            } => PI / 4.0 * (diameter.powi(2) - inner_diameter.powi(2)),
+            CrossSection::Tube { diameter, inner_diameter } => {
+                PI / 4.0 * (diameter.powi(2) - inner_diameter.powi(2))
+            }
             CrossSection::Strip { width, height } => width * height,
         }
     }
@@ -161,10 +155,9 @@ impl CrossSection {
     pub fn second_moments(&self) -> [f64; 2] {
         match *self {
             CrossSection::Round { diameter } => [PI / 64.0 * diameter.powi(4); 2],
-            CrossSection::Tube {
-                diameter,
-                inner_diameter,
-            } => [PI / 64.0 * (diameter.powi(4) - inner_diameter.powi(4)); 2],
+            CrossSection::Tube { diameter, inner_diameter } => {
+                [PI / 64.0 * (diameter.powi(4) - inner_diameter.powi(4)); 2]
+            }
             CrossSection::Strip { width, height } => {
                 [width * height.powi(3) / 12.0, height * width.powi(3) / 12.0]
             }
@@ -213,23 +206,11 @@ impl CrossSection {
                 CrossSection::Round { diameter: mix(a, b) }
             }
             (
-                CrossSection::Tube {
-                    diameter: a,
-                    inner_diameter: c,
-                },
-                CrossSection::Tube {
-                    diameter: b,
-                    inner_diameter: d,
-                },
-            ) => CrossSection::Tube {
-                diameter: mix(a, b),
-                inner_diameter: mix(c, d),
-            },
+                CrossSection::Tube { diameter: a, inner_diameter: c },
+                CrossSection::Tube { diameter: b, inner_diameter: d },
+            ) => CrossSection::Tube { diameter: mix(a, b), inner_diameter: mix(c, d) },
             (CrossSection::Strip { width: a, height: c }, CrossSection::Strip { width: b, height: d }) => {
-                CrossSection::Strip {
-                    width: mix(a, b),
-                    height: mix(c, d),
-                }
+                CrossSection::Strip { width: mix(a, b), height: mix(c, d) }
             }
             _ => *self,
         }

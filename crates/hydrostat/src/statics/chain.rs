@@ -1,7 +1,7 @@
 //! The backbone cut at its breakpoints, with everything along it that does not depend on the shape.
 
 use crate::model::{Frame, LoadKind, Robot};
-use crate::numeric::butcher6::ABSCISSAE;
+use crate::numeric::dop853::{C, STAGES};
 use nalgebra::Vector3;
 
 /// The spans between breakpoints: section ends, point loads, guides, ends of distributed loads.
@@ -50,16 +50,21 @@ pub(super) struct Jump {
     pub(super) following_moment: Vector3<f64>,
 }
 
-/// One integration step with its shape-independent data at the abscissae of the stages.
+/// Points of a step: the abscissae of the stages, then the middle.
+const POINTS: usize = STAGES + 1;
+
+/// One integration step with its shape-independent data at its points.
 #[derive(Clone, Debug)]
 pub(super) struct Step {
     pub(super) from: f64,
     pub(super) length: f64,
-    pub(super) stages: [StageData; ABSCISSAE.len()],
+    pub(super) stages: [StageData; POINTS],
     pub(super) rest_curvature: Vector3<f64>,
     pub(super) moment_per_length: Vector3<f64>,
     pub(super) following_force: Vector3<f64>,
     pub(super) following_moment: Vector3<f64>,
+    /// Whether either of the two is not zero.
+    pub(super) follows: bool,
 }
 
 /// Compliance (diagonals of K_se^-1, K_bt^-1) and dead force n (world frame) at one arc length.
@@ -157,12 +162,7 @@ impl Chain {
             |spans: &[Span], at: f64| spans.iter().position(|span| (span.to - at).abs() <= same);
         for load in &robot.loads {
             match load.kind {
-                LoadKind::Point {
-                    at,
-                    force,
-                    moment,
-                    frame,
-                } => {
+                LoadKind::Point { at, force, moment, frame } => {
                     // a load on the clamp itself bends nothing
                     let Some(end) = span_ending_at(spans, at) else {
                         continue;
@@ -188,13 +188,7 @@ impl Chain {
                     };
                     spans[end].force_beyond += mass * robot.gravity;
                 }
-                LoadKind::Distributed {
-                    from,
-                    to,
-                    force_per_length,
-                    moment_per_length,
-                    frame,
-                } => {
+                LoadKind::Distributed { from, to, force_per_length, moment_per_length, frame } => {
                     if moment_per_length != Vector3::zeros() || frame == Frame::Body {
                         self.conservative = false;
                     }
@@ -237,23 +231,17 @@ impl Chain {
 
     /// Number of the span that holds `s`, the earlier one at a breakpoint.
     pub(super) fn span_at(&self, s: f64) -> usize {
-        self.spans
-            .partition_point(|span| span.to < s)
-            .min(self.spans.len() - 1)
+        self.spans.partition_point(|span| span.to < s).min(self.spans.len() - 1)
     }
 }
 
 impl Span {
     /// A step from `s` over `length` within this span.
     pub(super) fn step(&self, robot: &Robot, s: f64, length: f64) -> Step {
-        let stages = ABSCISSAE.map(|c| {
-            let at = s + c * length;
+        let stages = std::array::from_fn(|i| {
+            let at = s + C.get(i).unwrap_or(&0.5) * length;
             let (shear, bend) = self.uniform.unwrap_or_else(|| self.compliance(robot, at));
-            StageData {
-                shear,
-                bend,
-                force: self.dead_force(robot, at),
-            }
+            StageData { shear, bend, force: self.dead_force(robot, at) }
         });
         Step {
             from: s,
@@ -263,7 +251,17 @@ impl Span {
             moment_per_length: self.moment_per_length,
             following_force: self.following_force,
             following_moment: self.following_moment,
+            follows: self.following_force != Vector3::zeros() || self.following_moment != Vector3::zeros(),
         }
+    }
+
+    /// The angle per length that a mesh must resolve: the rest curvature, and sqrt(n / EI), which keeps
+    /// conjugate points (pi apart in that angle) on different steps.
+    pub(super) fn largest_angle(&self, robot: &Robot) -> f64 {
+        let force = self.dead_force(robot, self.from).norm().max(self.force_beyond.norm());
+        let flexibility =
+            [self.from, self.to].map(|s| self.compliance(robot, s).1.amax()).into_iter().fold(0.0, f64::max);
+        (force * flexibility).sqrt().max(robot.sections[self.section].rest_curvature.norm())
     }
 
     /// Diagonals of K_se^-1 and K_bt^-1 at `s`.

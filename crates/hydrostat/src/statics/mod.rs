@@ -27,11 +27,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Settings {
-            tolerance: 1e-9,
-            stations: 101,
-            shooting_intervals: None,
-        }
+        Settings { tolerance: 1e-9, stations: 101, shooting_intervals: None }
     }
 }
 
@@ -85,37 +81,15 @@ fn run(
     warm: bool,
 ) -> Result<Equilibrium, Error> {
     if !(1e-12..=1e-2).contains(&settings.tolerance) {
-        return Err(
-            Error::new(format!("tolerance {:e} of the length", settings.tolerance))
-                .hint("allowed: 1e-12 to 1e-2; the default is 1e-9"),
-        );
+        return Err(Error::new(format!("tolerance {:e} of the length", settings.tolerance))
+            .hint("allowed: 1e-12 to 1e-2; the default is 1e-9"));
     }
     workspace.warm = false;
     workspace.chain.rebuild(robot);
-    let Workspace {
-        chain,
-        steps_per_span,
-        coarse,
-        fine,
-        dead,
-        follower,
-        ..
-    } = workspace;
+    let Workspace { chain, steps_per_span, coarse, fine, dead, follower, .. } = workspace;
     let warm = warm && steps_per_span.len() == chain.spans.len();
-    let mut search = Search {
-        robot,
-        settings,
-        chain,
-        steps_per_span,
-        coarse,
-        fine,
-        iterations: 0,
-    };
-    let found = if chain.follower {
-        search.run(warm, follower)?
-    } else {
-        search.run(warm, dead)?
-    };
+    let mut search = Search { robot, settings, chain, steps_per_span, coarse, fine, iterations: 0 };
+    let found = if chain.follower { search.run(warm, follower)? } else { search.run(warm, dead)? };
     workspace.warm = true;
     report::equilibrium(robot, settings, &workspace.chain, &workspace.fine, &found)
 }

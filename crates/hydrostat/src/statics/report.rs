@@ -5,9 +5,9 @@ use super::chain::Chain;
 use super::rod::{self, Node};
 use super::search::Found;
 use super::shooting::Mesh;
+use crate::Error;
 use crate::model::{Pose, Robot};
 use crate::solution::{Check, Equilibrium, Method, Report, Station};
-use crate::{Error, numeric::butcher6::ABSCISSAE};
 use nalgebra::{Rotation3, Vector3};
 
 /// Reads the equilibrium off the fine mesh.
@@ -22,14 +22,7 @@ pub(super) fn equilibrium(
     let stations = match settings.stations {
         0 => Vec::new(),
         count => (0..count)
-            .map(|i| {
-                station(
-                    robot,
-                    chain,
-                    mesh,
-                    chain.length * i as f64 / (count.max(2) - 1) as f64,
-                )
-            })
+            .map(|i| station(robot, chain, mesh, chain.length * i as f64 / (count.max(2) - 1) as f64))
             .collect(),
     };
     let stable = match (found.conjugate_points, chain.conservative) {
@@ -62,7 +55,7 @@ fn station(robot: &Robot, chain: &Chain, mesh: &Mesh, s: f64) -> Station {
     let start = &mesh.steps[k];
     let part = span.step(robot, start.from, (s - start.from).max(0.0));
     let (node, displacement) = rod::integrate(&part, 1.0, &mesh.nodes[k]);
-    let section = rod::section_law(&part, ABSCISSAE.len() - 1, 1.0, &node);
+    let section = rod::section_law(&part, rod::END, 1.0, &node);
     Station {
         s,
         position: mesh.positions[k] + displacement,
@@ -81,11 +74,11 @@ fn checks(robot: &Robot, chain: &Chain, mesh: &Mesh, stable: Option<bool>) -> Re
     for (k, step) in mesh.steps.iter().enumerate() {
         let span = &chain.spans[chain.span_at(step.from + 0.5 * step.length)];
         let section = &robot.sections[span.section];
-        let (end, _) = rod::integrate(step, 1.0, &mesh.nodes[k]);
-        for (c, node, s) in [
-            (0, &mesh.nodes[k], step.from),
-            (ABSCISSAE.len() - 1, &end, step.from + step.length),
-        ] {
+        let mut end = mesh.nodes[k + 1];
+        rod::pass(&mesh.jumps[k], -1.0, &mut end);
+        for (c, node, s) in
+            [(rod::START, &mesh.nodes[k], step.from), (rod::END, &end, step.from + step.length)]
+        {
             let strain = fibre_strain(robot, span.section, step, c, node, s - span.section_start)
                 .ok_or_else(|| {
                     Error::new(format!(
@@ -103,13 +96,8 @@ fn checks(robot: &Robot, chain: &Chain, mesh: &Mesh, stable: Option<bool>) -> Re
                 a > b || (a == b && strain > check.value)
             };
             if worst.as_ref().is_none_or(better) {
-                worst = Some(Check {
-                    name: "strain",
-                    value: strain,
-                    limit,
-                    ok: strain <= limit,
-                    at: Some(s),
-                });
+                worst =
+                    Some(Check { name: "strain", value: strain, limit, ok: strain <= limit, at: Some(s) });
             }
         }
     }

@@ -1,8 +1,8 @@
 //! The equations of the rod over one integration step: state and transition matrix.
 
 use super::chain::{Jump, Step};
-use crate::geometry::{cayley, cayley_rate, hat};
-use crate::numeric::butcher6::{A, B, STAGE_ABSCISSA};
+use crate::geometry::{cayley, cayley_coordinates, cayley_rate, hat};
+use crate::numeric::dop853::{B, STAGES, TABLEAU};
 use nalgebra::{Matrix3, Vector3};
 
 /// What the equations carry along the backbone. The position follows from it and nothing depends on it.
@@ -20,140 +20,238 @@ pub(super) struct Node {
 /// rotation is the world vector `y` of `delta R = hat(y) R`. `N` = 2 blocks for dead loads, 3 with followers.
 pub(super) type Transition<const N: usize> = [[Matrix3<f64>; N]; N];
 
-/// Strains (v, u), body frame, and the force n, world frame, at a point of a step.
+/// Strains (v, u), body frame, and the force n at a point of a step.
 pub(super) struct Section {
     pub(super) v: Vector3<f64>,
     pub(super) u: Vector3<f64>,
     pub(super) force: Vector3<f64>,
 }
 
-/// The section law (G 13, 15) at abscissa `c` (an index) of the step, under `factor` times the loads.
-pub(super) fn section_law(step: &Step, c: usize, factor: f64, node: &Node) -> Section {
+/// R', p', m', n' at a point of a step; the rotation's by its body-frame rate u.
+struct Rates {
+    u: Vector3<f64>,
+    position: Vector3<f64>,
+    moment: Vector3<f64>,
+    force: Vector3<f64>,
+}
+
+/// What loads a point of a step beyond the wrench of the node; in the frame of the node.
+#[derive(Clone, Copy)]
+struct Loads {
+    /// Dead force n beyond the point, and dead moment l per length.
+    force: Vector3<f64>,
+    moment_per_length: Vector3<f64>,
+}
+
+impl Loads {
+    /// World frame.
+    fn at(step: &Step, c: usize, factor: f64) -> Self {
+        Loads { force: factor * step.stages[c].force, moment_per_length: factor * step.moment_per_length }
+    }
+
+    /// Seen from a rotated frame.
+    #[inline(always)]
+    fn seen_from(&self, frame: &Matrix3<f64>) -> Self {
+        Loads { force: frame.tr_mul(&self.force), moment_per_length: frame.tr_mul(&self.moment_per_length) }
+    }
+}
+
+/// The section law (G 13, 15).
+///
+/// ```text
+/// R^T n = K_se (v - v*),   R^T m = K_bt (u - u*)
+/// ```
+#[inline(always)]
+fn strains(step: &Step, c: usize, loads: &Loads, node: &Node) -> Section {
     let point = &step.stages[c];
-    let force = factor * point.force + node.force;
+    let force = loads.force + node.force;
     let v = Vector3::z() + point.shear.component_mul(&node.rotation.tr_mul(&force));
     let u = step.rest_curvature + point.bend.component_mul(&node.rotation.tr_mul(&node.moment));
     Section { v, u, force }
 }
 
-/// Integrates one step: Runge-Kutta of order 6 in Cayley coordinates of the rotation at its start
-/// (a Runge-Kutta-Munthe-Kaas method: R stays a rotation). Returns the node at the end, before any jump,
-/// and the change of position.
+/// The section law at abscissa `c` (an index) of the step, under `factor` times the loads; world frame.
+pub(super) fn section_law(step: &Step, c: usize, factor: f64, node: &Node) -> Section {
+    strains(step, c, &Loads::at(step, c, factor), node)
+}
+
+/// The equations of the rod (G 3, 4, 6, 11) in any frame at rest.
+///
+/// ```text
+/// R' = R hat(u),   p' = R v,   n' = -f,   m' = -p' x n - l
+/// ```
+#[inline(always)]
+fn rates(step: &Step, c: usize, factor: f64, loads: &Loads, node: &Node) -> Rates {
+    let section = strains(step, c, loads, node);
+    let position = node.rotation * section.v;
+    let moment = section.force.cross(&position) - loads.moment_per_length;
+    if !step.follows {
+        return Rates { u: section.u, position, moment, force: Vector3::zeros() };
+    }
+    let moment = moment - node.rotation * (factor * step.following_moment);
+    Rates { u: section.u, position, moment, force: node.rotation * (-factor * step.following_force) }
+}
+
+/// Integrates one step: the Runge-Kutta method DOP853 in the frame of the start and in Cayley coordinates of
+/// the rotation since then (a Runge-Kutta-Munthe-Kaas method of order 8: R stays a rotation). Returns the
+/// node at the end, before any jump, and the change of position.
 pub(super) fn integrate(step: &Step, factor: f64, start: &Node) -> (Node, Vector3<f64>) {
-    let (end, position, _) = advance::<2, false>(step, factor, 1.0, start);
-    (end, position)
-}
-
-/// [`integrate`] together with the variational equations. `softening` multiplies the compliance
-/// in the variation alone (1 gives the derivative; see `stability`).
-pub(super) fn integrate_with_transition<const N: usize>(
-    step: &Step,
-    factor: f64,
-    softening: f64,
-    start: &Node,
-) -> (Node, Vector3<f64>, Transition<N>) {
-    advance::<N, true>(step, factor, softening, start)
-}
-
-fn advance<const N: usize, const TRANSITION: bool>(
-    step: &Step,
-    factor: f64,
-    softening: f64,
-    start: &Node,
-) -> (Node, Vector3<f64>, Transition<N>) {
     let h = step.length;
-    let zero = Vector3::zeros();
-    let (mut k_w, mut k_p, mut k_m, mut k_n) = ([zero; 7], [zero; 7], [zero; 7], [zero; 7]);
-    let identity: Transition<N> = std::array::from_fn(|i| {
+    let frame = &start.rotation;
+    let moment = frame.tr_mul(&start.moment);
+    let force = frame.tr_mul(&start.force);
+    // rates of: rotation (3), moment (3); position; following force
+    let mut state_rate = [[0.0; 6]; STAGES];
+    let (mut p_rate, mut n_rate) = ([Vector3::zeros(); STAGES], [Vector3::zeros(); STAGES]);
+    for stage in 0..STAGES {
+        let mut state = [0.0; 6];
+        let mut node = Node { rotation: Matrix3::zeros(), moment, force };
+        for &(j, a) in TABLEAU[stage] {
+            for (state, rate) in state.iter_mut().zip(&state_rate[j]) {
+                *state += (h * a) * rate;
+            }
+            if step.follows {
+                node.force += (h * a) * n_rate[j];
+            }
+        }
+        let w = Vector3::new(state[0], state[1], state[2]);
+        node.rotation = cayley(&w);
+        node.moment += Vector3::new(state[3], state[4], state[5]);
+        let loads = Loads::at(step, stage, factor).seen_from(frame);
+        let rates = rates(step, stage, factor, &loads, &node);
+        let turning = cayley_rate(&w, &rates.u);
+        state_rate[stage] = [turning.x, turning.y, turning.z, rates.moment.x, rates.moment.y, rates.moment.z];
+        p_rate[stage] = rates.position;
+        n_rate[stage] = rates.force;
+    }
+    let (mut w, mut moment, mut force, mut position) = (Vector3::zeros(), moment, force, Vector3::zeros());
+    for stage in 0..STAGES {
+        if B[stage] != 0.0 {
+            let (b, rate) = (h * B[stage], &state_rate[stage]);
+            w += b * Vector3::new(rate[0], rate[1], rate[2]);
+            moment += b * Vector3::new(rate[3], rate[4], rate[5]);
+            position += b * p_rate[stage];
+            force += b * n_rate[stage];
+        }
+    }
+    let end = Node { rotation: frame * cayley(&w), moment: frame * moment, force: frame * force };
+    (end, frame * position)
+}
+
+/// The transition over a step from its two ends, by the variational equations `Y' = H(s) Y`.
+///
+/// Classical Runge-Kutta (order 4) with H at both ends and in the middle, where the state is Hermite's
+/// cubic. `softening` multiplies the compliance in H: 1 gives the derivative.
+pub(super) fn transition<const N: usize>(
+    step: &Step,
+    factor: f64,
+    softening: f64,
+    start: &Node,
+    end: &Node,
+) -> Transition<N> {
+    let h = step.length;
+    let rates = |c, node| rates(step, c, factor, &Loads::at(step, c, factor), node);
+    let (at_start, at_end) = (rates(START, start), rates(END, end));
+    let w = cayley_coordinates(&start.rotation.tr_mul(&end.rotation));
+    let w_middle = 0.5 * w + h / 8.0 * (at_start.u - cayley_rate(&w, &at_end.u));
+    let middle = Node {
+        rotation: start.rotation * cayley(&w_middle),
+        moment: 0.5 * (start.moment + end.moment) + h / 8.0 * (at_start.moment - at_end.moment),
+        force: 0.5 * (start.force + end.force) + h / 8.0 * (at_start.force - at_end.force),
+    };
+    let variation = |c, node| Variation::new(step, c, factor, softening, node);
+    let (first, second, third) = (variation(START, start), variation(MIDDLE, &middle), variation(END, end));
+    let k1: Transition<N> = first.blocks();
+    let k2: Transition<N> = second.times_identity_plus(0.5 * h, &k1);
+    let k3: Transition<N> = second.times_identity_plus(0.5 * h, &k2);
+    let k4: Transition<N> = third.times_identity_plus(h, &k3);
+    std::array::from_fn(|i| {
         std::array::from_fn(|j| {
-            if i == j {
-                Matrix3::identity()
-            } else {
-                Matrix3::zeros()
-            }
+            let sum = k1[i][j] + 2.0 * (k2[i][j] + k3[i][j]) + k4[i][j];
+            let identity = if i == j { Matrix3::identity() } else { Matrix3::zeros() };
+            identity + h / 6.0 * sum
         })
-    });
-    let mut k_y = [[[Matrix3::zeros(); N]; N]; 7];
+    })
+}
 
-    for stage in 0..7 {
-        // state at the stage
-        let (mut w, mut node) = (zero, *start);
-        let mut y = identity;
-        for j in 0..stage {
-            let a = h * A[stage][j];
-            if a == 0.0 {
-                continue;
-            }
-            w += a * k_w[j];
-            node.moment += a * k_m[j];
-            node.force += a * k_n[j];
-            if TRANSITION {
-                for (row, k_row) in y.iter_mut().zip(&k_y[j]) {
-                    for (block, k_block) in row.iter_mut().zip(k_row) {
-                        *block += a * k_block;
-                    }
-                }
-            }
-        }
-        node.rotation = start.rotation * cayley(&w);
-        let c = STAGE_ABSCISSA[stage];
-        let section = section_law(step, c, factor, &node);
+/// Indices of the ends and the middle among the points of a step.
+pub(super) const START: usize = 0;
+pub(super) const END: usize = STAGES - 1;
+pub(super) const MIDDLE: usize = STAGES;
 
-        // R' = R hat(u), p' = R v, n' = -f, m' = -p' x n - l   (G 3, 4, 6, 11)
-        let following_force = node.rotation * (factor * step.following_force);
+/// The matrix H of the variational equations, by its blocks that are not zero.
+///
+/// ```text
+/// y'  = bend (dm + m x y)
+/// dp' = y x p' + shear (dn + n x y)
+/// dm' = n x dp' - p' x dn - y x l_following
+/// dn' = -y x f_following
+/// ```
+/// with `bend` = R K_bt^-1 R^T and `shear` = R K_se^-1 R^T.
+struct Variation {
+    y_y: Matrix3<f64>,
+    y_m: Matrix3<f64>,
+    m_y: Matrix3<f64>,
+    m_n: Matrix3<f64>,
+    n_y: Matrix3<f64>,
+}
+
+impl Variation {
+    #[inline(always)]
+    fn new(step: &Step, c: usize, factor: f64, softening: f64, node: &Node) -> Self {
+        let point = &step.stages[c];
+        let section = section_law(step, c, factor, node);
+        let bend = turned(&node.rotation, &(softening * point.bend));
+        let shear = turned(&node.rotation, &(softening * point.shear));
+        let (n_hat, p_hat) = (hat(&section.force), hat(&(node.rotation * section.v)));
+        let n_shear = n_hat * shear;
         let following_moment = node.rotation * (factor * step.following_moment);
-        k_w[stage] = cayley_rate(&w, &section.u);
-        k_p[stage] = node.rotation * section.v;
-        k_n[stage] = -following_force;
-        k_m[stage] = section.force.cross(&k_p[stage]) - factor * step.moment_per_length - following_moment;
-
-        if TRANSITION {
-            let point = &step.stages[c];
-            let rotate = |diagonal: &Vector3<f64>| {
-                let mut scaled = node.rotation;
-                for (mut column, d) in scaled.column_iter_mut().zip(diagonal.iter()) {
-                    column *= softening * d;
-                }
-                scaled * node.rotation.transpose()
-            };
-            let (bend, shear) = (rotate(&point.bend), rotate(&point.shear));
-            let (n_hat, p_hat) = (hat(&section.force), hat(&k_p[stage]));
-            // y'  = bend (dm + m x y)
-            // dp' = y x p' + shear (dn + n x y)
-            // dm' = n x dp' - p' x dn - y x l_following
-            // dn' = -y x f_following
-            let y_y = bend * hat(&node.moment);
-            let m_y = n_hat * (shear * n_hat - p_hat) + hat(&following_moment);
-            let m_n = n_hat * shear - p_hat;
-            let n_y = hat(&following_force);
-            for column in 0..N {
-                k_y[stage][0][column] = y_y * y[0][column] + bend * y[1][column];
-                k_y[stage][1][column] = m_y * y[0][column];
-                if N > 2 {
-                    k_y[stage][1][column] += m_n * y[2][column];
-                    k_y[stage][2][column] = n_y * y[0][column];
-                }
-            }
+        let following_force = node.rotation * (factor * step.following_force);
+        Variation {
+            y_y: bend * hat(&node.moment),
+            y_m: bend,
+            m_y: (n_shear * n_hat - n_hat * p_hat) + hat(&following_moment),
+            m_n: n_shear - p_hat,
+            n_y: hat(&following_force),
         }
     }
 
-    let (mut w, mut position, mut end, mut y) = (zero, zero, *start, identity);
-    for stage in 0..7 {
-        let b = h * B[stage];
-        w += b * k_w[stage];
-        position += b * k_p[stage];
-        end.moment += b * k_m[stage];
-        end.force += b * k_n[stage];
-        if TRANSITION {
-            for (row, k_row) in y.iter_mut().zip(&k_y[stage]) {
-                for (block, k_block) in row.iter_mut().zip(k_row) {
-                    *block += b * k_block;
-                }
+    fn blocks<const N: usize>(&self) -> Transition<N> {
+        let mut blocks = [[Matrix3::zeros(); N]; N];
+        blocks[0][0] = self.y_y;
+        blocks[0][1] = self.y_m;
+        blocks[1][0] = self.m_y;
+        if N > 2 {
+            blocks[1][2] = self.m_n;
+            blocks[2][0] = self.n_y;
+        }
+        blocks
+    }
+
+    /// H (I + a K).
+    #[inline(always)]
+    fn times_identity_plus<const N: usize>(&self, a: f64, k: &Transition<N>) -> Transition<N> {
+        let mut product = self.blocks();
+        for j in 0..N {
+            product[0][j] += a * (self.y_y * k[0][j] + self.y_m * k[1][j]);
+            product[1][j] += a * (self.m_y * k[0][j]);
+            if N > 2 {
+                product[1][j] += a * (self.m_n * k[2][j]);
+                product[2][j] += a * (self.n_y * k[0][j]);
             }
         }
+        product
     }
-    end.rotation = start.rotation * cayley(&w);
-    (end, position, y)
+}
+
+/// R diag(d) R^T.
+#[inline(always)]
+fn turned(rotation: &Matrix3<f64>, d: &Vector3<f64>) -> Matrix3<f64> {
+    let mut scaled = *rotation;
+    for (mut column, d) in scaled.column_iter_mut().zip(d.iter()) {
+        column *= *d;
+    }
+    scaled * rotation.transpose()
 }
 
 /// Passes a point load: the wrench beyond it lacks what it carries.

@@ -3,7 +3,7 @@
 use super::Settings;
 use super::chain::Chain;
 use super::shooting::{Mesh, Sweep};
-use crate::numeric::butcher6;
+use crate::numeric::dop853;
 use crate::{Error, Robot};
 
 /// The search for one equilibrium.
@@ -27,11 +27,11 @@ pub(super) struct Found {
     pub(super) iterations: usize,
 }
 
-/// Length of a step of the first mesh, as a fraction of the backbone and as a rest angle.
-const FIRST_STEP: f64 = 0.5;
-const FIRST_ANGLE: f64 = 0.7;
+/// Largest angle of a step of the first mesh: of the rest shape, and of the load as sqrt(n / EI) h, which
+/// keeps conjugate points (pi apart) on different steps.
+const FIRST_ANGLE: f64 = 2.0;
 /// The error estimate assumes the asymptotic order; this factor covers where it is not reached yet.
-const SAFETY: f64 = 4.0;
+const SAFETY: f64 = 2.0;
 const MAX_STEPS: usize = 20_000;
 /// Newton's corrections must shrink at least by this factor, or the start is too far for the same branch.
 const CONTRACTION: f64 = 0.5;
@@ -49,28 +49,25 @@ impl Search<'_> {
         if !warm {
             self.first_mesh();
         }
-        self.coarse
-            .rebuild(self.robot, self.chain, self.steps_per_span, intervals);
+        self.coarse.rebuild(self.robot, self.chain, self.steps_per_span, intervals);
         let mut unstable_from = None;
-        let arrived = warm && self.newton(Level::Coarse, sweep, 1.0, tolerance, false).is_ok();
+        let arrived = warm && self.newton(Level::Coarse, sweep, 1.0, self.coarse_target(), false).is_ok();
         if !arrived {
             unstable_from = self.follow_load(sweep)?;
         }
-        self.coarse.residual(self.chain, 1.0);
         loop {
             self.steps_per_span.iter_mut().for_each(|count| *count *= 2);
-            self.fine
-                .rebuild(self.robot, self.chain, self.steps_per_span, intervals);
+            self.fine.rebuild(self.robot, self.chain, self.steps_per_span, intervals);
             self.fine.prolong(self.coarse, 1.0);
             let end = self
-                .newton(Level::Fine, sweep, 1.0, 0.01 * tolerance, true)
+                .newton(Level::Fine, sweep, 1.0, 0.1 * tolerance, true)
                 .map_err(|stuck| self.not_converged(1.0, &stuck))?;
             // Richardson: the finer of two solutions of order p is off by 1 / (2^p - 1) of their difference
             let difference = (self.fine.positions.iter().step_by(2))
                 .zip(&self.coarse.positions)
                 .map(|(fine, coarse)| (fine - coarse).norm())
                 .fold(0.0, f64::max);
-            let error_estimate = SAFETY * difference / (2_f64.powi(butcher6::ORDER) - 1.0);
+            let error_estimate = SAFETY * difference / (2_f64.powi(dop853::ORDER) - 1.0);
             if error_estimate <= tolerance * self.chain.length {
                 self.steps_per_span.iter_mut().for_each(|count| *count /= 2);
                 return Ok(Found {
@@ -93,15 +90,17 @@ impl Search<'_> {
         }
     }
 
+    /// The coarse solution serves the error estimate, where its own error is divided by 2^p - 1.
+    fn coarse_target(&self) -> f64 {
+        (10.0 * self.settings.tolerance).min(ON_THE_WAY)
+    }
+
     /// Steps per span for the first mesh.
     fn first_mesh(&mut self) {
         self.steps_per_span.clear();
         for span in &self.chain.spans {
-            let length = span.to - span.from;
-            let angle = length * self.robot.sections[span.section].rest_curvature.norm();
-            let steps = (length / (FIRST_STEP * self.chain.length)).max(angle / FIRST_ANGLE);
-            self.steps_per_span
-                .push((steps - 1e-9).ceil().clamp(1.0, 1e4) as usize);
+            let angle = span.largest_angle(self.robot) * (span.to - span.from);
+            self.steps_per_span.push((angle / FIRST_ANGLE - 1e-9).ceil().clamp(1.0, 1e4) as usize);
         }
     }
 
@@ -113,11 +112,7 @@ impl Search<'_> {
         let mut nodes = self.coarse.nodes.clone();
         while reached < 1.0 {
             let factor = (reached + step).min(1.0);
-            let target = if factor < 1.0 {
-                ON_THE_WAY
-            } else {
-                self.settings.tolerance
-            };
+            let target = if factor < 1.0 { ON_THE_WAY } else { self.coarse_target() };
             match self.newton(Level::Coarse, sweep, factor, target, step < DAMPED_BELOW) {
                 // a branch that turns unstable is met in small steps, so that none is jumped to by accident
                 Ok(end) if end.conjugate_points == 0 || unstable_from.is_some() || step < DAMPED_BELOW => {
@@ -161,35 +156,23 @@ impl Search<'_> {
             let now = mesh.linearise(chain, factor, 1.0, sweep);
             self.iterations += 1;
             let contraction = now.correction / last;
-            let shrinks = contraction
-                <= if scale < 1.0 {
-                    1.0 - 0.25 * scale
-                } else {
-                    CONTRACTION
-                };
+            let shrinks = contraction <= if scale < 1.0 { 1.0 - 0.25 * scale } else { CONTRACTION };
             if !(shrinks || last == f64::INFINITY && now.correction.is_finite()) {
                 scale *= 0.5;
                 if !may_damp || scale < 1e-3 || last == f64::INFINITY {
-                    return Err(Stuck {
-                        correction: now.correction,
-                    });
+                    return Err(Stuck { correction: now.correction });
                 }
                 mesh.damp(scale);
                 continue;
             }
             mesh.correct();
             // what the next correction will be, from the contraction so far
-            let ahead = now.correction
-                * contraction
-                    .min(QUADRATIC * now.correction)
-                    .max(1e-3 * now.correction);
+            let ahead =
+                now.correction * contraction.min(QUADRATIC * now.correction).max(1e-3 * now.correction);
             if scale == 1.0 && ahead <= target {
                 let residual = mesh.residual(chain, factor);
                 if residual <= target.max(ROUNDING) {
-                    return Ok(Converged {
-                        residual,
-                        conjugate_points: now.conjugate_points,
-                    });
+                    return Ok(Converged { residual, conjugate_points: now.conjugate_points });
                 }
             }
             last = now.correction;

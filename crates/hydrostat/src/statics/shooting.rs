@@ -59,10 +59,7 @@ pub(super) struct Sweep<const N: usize> {
 
 impl<const N: usize> Default for Sweep<N> {
     fn default() -> Self {
-        Sweep {
-            transitions: Vec::new(),
-            feedback: Vec::new(),
-        }
+        Sweep { transitions: Vec::new(), feedback: Vec::new() }
     }
 }
 
@@ -83,13 +80,8 @@ impl Mesh {
         for (span, &count) in chain.spans.iter().zip(per_span) {
             let length = (span.to - span.from) / count as f64;
             for i in 0..count {
-                self.steps
-                    .push(span.step(robot, span.from + i as f64 * length, length));
-                self.jumps.push(if i + 1 == count {
-                    span.jump
-                } else {
-                    Jump::default()
-                });
+                self.steps.push(span.step(robot, span.from + i as f64 * length, length));
+                self.jumps.push(if i + 1 == count { span.jump } else { Jump::default() });
             }
         }
         let count = self.steps.len();
@@ -153,11 +145,7 @@ impl Mesh {
     /// End of step `k` against the node there; against a free tip at the last.
     fn gap(&self, k: usize, end: &Node) -> Gap {
         if k + 1 == self.steps.len() {
-            return Gap {
-                rotation: Vector3::zeros(),
-                moment: end.moment,
-                force: end.force,
-            };
+            return Gap { rotation: Vector3::zeros(), moment: end.moment, force: end.force };
         }
         let node = &self.nodes[k + 1];
         Gap {
@@ -178,8 +166,9 @@ impl Mesh {
         let count = self.steps.len();
         sweep.transitions.clear();
         for k in 0..count {
-            let (mut end, _, mut transition) =
-                rod::integrate_with_transition::<N>(&self.steps[k], factor, softening, &self.nodes[k]);
+            let (step, start) = (&self.steps[k], &self.nodes[k]);
+            let (mut end, _) = rod::integrate(step, factor, start);
+            let mut transition = rod::transition::<N>(step, factor, softening, start, &end);
             rod::pass_transition(&self.jumps[k], factor, &end.rotation, &mut transition);
             rod::pass(&self.jumps[k], factor, &mut end);
             sweep.transitions.push(transition);
@@ -187,24 +176,14 @@ impl Mesh {
                 self.gaps[k] = self.gap(k, &end);
             } else {
                 self.nodes[k + 1] = end;
-                self.gaps[k] = if k + 1 == count {
-                    self.gap(k, &end)
-                } else {
-                    Gap::default()
-                };
+                self.gaps[k] = if k + 1 == count { self.gap(k, &end) } else { Gap::default() };
             }
         }
         let conjugate_points = sweep.backward(&self.gaps);
         sweep.forward(&self.gaps, &mut self.corrections);
-        let correction = self
-            .corrections
-            .iter()
-            .map(|correction| correction.size(chain))
-            .fold(0.0, larger_or_nan);
-        Linearised {
-            correction,
-            conjugate_points,
-        }
+        let correction =
+            self.corrections.iter().map(|correction| correction.size(chain)).fold(0.0, larger_or_nan);
+        Linearised { correction, conjugate_points }
     }
 
     /// Adds the corrections to the nodes that start an interval.
@@ -236,13 +215,9 @@ impl Gap {
     /// Size in radians and units of stiffness.
     fn size(&self, chain: &Chain) -> f64 {
         let moment = chain.length / chain.stiffness;
-        [
-            self.rotation.amax(),
-            self.moment.amax() * moment,
-            self.force.amax() * moment * chain.length,
-        ]
-        .into_iter()
-        .fold(0.0, larger_or_nan)
+        [self.rotation.amax(), self.moment.amax() * moment, self.force.amax() * moment * chain.length]
+            .into_iter()
+            .fold(0.0, larger_or_nan)
     }
 }
 
@@ -320,11 +295,7 @@ impl<const N: usize> Sweep<N> {
         for (k, feedback) in self.feedback.iter().enumerate() {
             let moment = feedback.moment * rotation + feedback.moment_offset;
             let force = feedback.force * rotation + feedback.force_offset;
-            corrections[k] = Correction {
-                rotation,
-                moment,
-                force,
-            };
+            corrections[k] = Correction { rotation, moment, force };
             if let Some(t) = self.transitions.get(k) {
                 rotation = t[0][0] * rotation + t[0][1] * moment + gaps[k].rotation;
                 if N > 2 {
