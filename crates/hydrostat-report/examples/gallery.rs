@@ -3,7 +3,7 @@
 
 mod synthetic;
 
-use hydrostat_report::{shape_svg, svg_to_png};
+use hydrostat_report::{Provenance, shape_svg, svg_to_png, verification_page};
 use std::path::PathBuf;
 
 fn main() {
@@ -13,6 +13,18 @@ fn main() {
         let svg = shape_svg(&robot, &equilibrium);
         std::fs::write(out.join(format!("{name}.png")), svg_to_png(&svg, 2.0).unwrap()).unwrap();
         std::fs::write(out.join(format!("{name}.svg")), svg).unwrap();
+    }
+    let provenance = Provenance {
+        version: "0.1.0".into(),
+        method: "special Cosserat rod, multiple shooting on SO(3)".into(),
+        tolerance: 1e-9,
+        files: vec!["robots/gray.toml".into(), "data/gray2009_table2.csv".into()],
+        command: Some("hydrostat verify experiments/gray2009.toml --report page.html".into()),
+        date: None,
+    };
+    for (name, (experiment, verification)) in synthetic::benches() {
+        let page = verification_page(&experiment, &verification, &provenance);
+        std::fs::write(out.join(format!("{name}.html")), page).unwrap();
     }
     println!("{}", out.display());
 }

@@ -17,6 +17,8 @@ pub(crate) struct Label {
 pub(crate) struct Obstacles {
     pub(crate) boxes: Vec<Rect>,
     pub(crate) lines: Vec<(P, P)>,
+    /// What labels should not leave.
+    pub(crate) within: Option<Rect>,
 }
 
 const DISTANCES: [f64; 14] = [
@@ -36,8 +38,15 @@ pub(crate) fn place(canvas: &mut Canvas, obstacles: &mut Obstacles, labels: &[La
             label.at[0].clamp(spot.x0, spot.x1),
             label.at[1].clamp(spot.y0, spot.y1),
         ];
-        if (edge[0] - label.at[0]).hypot(edge[1] - label.at[1]) > 13.0 {
-            canvas.line(label.at, edge, Pen::new(label.style.colour, 0.6));
+        let gap = (edge[0] - label.at[0]).hypot(edge[1] - label.at[1]);
+        if gap > 17.0 {
+            // from beside the point's own mark
+            let t = 7.0 / gap;
+            let start = [
+                label.at[0] + t * (edge[0] - label.at[0]),
+                label.at[1] + t * (edge[1] - label.at[1]),
+            ];
+            canvas.line(start, edge, Pen::new(label.style.colour, 0.6));
             obstacles.lines.push((label.at, edge));
         }
         canvas.rect(spot, WHITE, None);
@@ -70,7 +79,10 @@ fn best_spot(obstacles: &Obstacles, label: &Label, width: f64, height: f64) -> R
             if obstacles.boxes.iter().any(|b| b.grown(1.5).overlaps(&spot)) {
                 continue;
             }
-            let base_cost = distance + 2.5 * turn.abs();
+            let outside = obstacles
+                .within
+                .is_some_and(|w| spot.x0 < w.x0 || spot.y0 < w.y0 || spot.x1 > w.x1 || spot.y1 > w.y1);
+            let base_cost = distance + 2.5 * turn.abs() + if outside { 1000.0 } else { 0.0 };
             if best.as_ref().is_some_and(|(cost, _)| base_cost >= *cost) {
                 continue;
             }

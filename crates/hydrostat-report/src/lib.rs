@@ -4,9 +4,12 @@
 //! self-contained HTML page; [`svg_to_png`] makes pixels of the drawings. Strings out, no files and no clock.
 
 // what is drawn
+mod chart;
 
 mod describe;
 mod loads;
+mod overlay;
+mod page;
 
 mod shape;
 mod view;
@@ -19,6 +22,7 @@ mod png;
 mod text;
 mod ticks;
 
+pub use page::{Provenance, verification_page};
 #[cfg(feature = "png")]
 pub use png::{PngError, svg_to_png};
 pub use shape::shape_svg;

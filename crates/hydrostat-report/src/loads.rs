@@ -223,7 +223,7 @@ fn row(
         return;
     }
     let count = (count as usize).clamp(2, 60);
-    let mut tails = Vec::new();
+    let (mut tails, mut ends) = (Vec::new(), Vec::new());
     for i in 0..=count {
         let s = from + (to - from) * i as f64 / count as f64;
         let Some((p, rotation)) = shape.at(s) else { return };
@@ -245,10 +245,14 @@ fn row(
             }
         }
         if moment.norm() > 0.0 && (i % 2 == 1 || count < 4) {
-            tails.push(arc(canvas, p, view, &(turn * moment), 7.0, THIN));
+            let end = arc(canvas, p, view, &(turn * moment), 7.0, THIN);
+            if force.norm() == 0.0 {
+                ends.push(end);
+            }
         }
     }
     canvas.polyline(&tails, Pen::new(SECOND, 0.6));
+    tails.append(&mut ends);
     if let Some(&middle) = tails.get(tails.len() / 2) {
         let (p, _) = shape
             .at(0.5 * (from + to))

@@ -32,7 +32,10 @@ pub fn shape_svg(robot: &Robot, equilibrium: &Equilibrium) -> String {
         base: robot.base.position,
         scale,
     };
-    let scenes = views.each_ref().map(|view| scene(robot, &shape, view));
+    let scenes = [
+        scene(robot, &shape, &views[0], true),
+        scene(robot, &shape, &views[1], false),
+    ];
 
     // panels of one height
     let mut frames = scenes.each_ref().map(|s| {
@@ -110,36 +113,35 @@ fn rest_line(robot: &Robot) -> [Vector3<f64>; 2] {
 }
 
 /// Everything inside a panel, in px from the base.
-fn scene(robot: &Robot, shape: &Shape, view: &View) -> Canvas {
+fn scene(robot: &Robot, shape: &Shape, view: &View, named_tip: bool) -> Canvas {
     let mut canvas = Canvas::new();
     let rest = rest_line(robot).map(|p| shape.on_page(view, &p));
     canvas.polyline(&rest, Pen::dashed(MUTED, 1.1, "5 4"));
     clamp(&mut canvas, robot, view);
     backbone(&mut canvas, robot, shape, view);
-    let mut wanted = Vec::new();
-    loads::draw(&mut canvas, &mut wanted, robot, shape, view);
 
-    // the tip
+    // the tip, below the loads that act there
     let tip = shape.equilibrium.tip.position;
     let on_page = shape.on_page(view, &tip);
     canvas.circle(on_page, 4.5, WHITE, Some(Pen::new(INK, 1.8)));
-    let outward = shape.tangent(view, robot.length()).unwrap_or([1.0, 0.0]);
-    // beside the backbone rather than ahead, where a load's arrow may be
-    let beside = if outward[0] >= 0.0 {
-        [1.0, -0.35]
-    } else {
-        [-1.0, -0.35]
-    };
-    wanted.push(Label {
-        at: on_page,
-        prefer: beside,
-        text: coordinates(&tip),
-        style: Type::bold(12.5, INK),
-    });
+    let mut wanted = Vec::new();
+    if named_tip {
+        // beside the backbone rather than ahead, where a load's arrow may be
+        let outward = shape.tangent(view, robot.length()).unwrap_or([1.0, 0.0]);
+        let beside = [if outward[0] >= 0.0 { 1.0 } else { -1.0 }, -0.35];
+        wanted.push(Label {
+            at: on_page,
+            prefer: beside,
+            text: coordinates(&tip),
+            style: Type::bold(12.5, INK),
+        });
+    }
+    loads::draw(&mut canvas, &mut wanted, robot, shape, view);
 
     let mut obstacles = Obstacles {
         boxes: vec![Rect::centred(on_page, 11.0, 11.0)],
         lines: canvas.segments.clone(),
+        within: None,
     };
     labels::place(&mut canvas, &mut obstacles, &wanted);
     canvas
@@ -162,19 +164,18 @@ fn clamp(canvas: &mut Canvas, robot: &Robot, view: &View) {
     let (wall, hatch) = (Pen::new(INK, 2.0), Pen::new(INK, 0.9));
     if n < 0.3 {
         // seen along the backbone: the wall is behind it
-        let r = Rect::centred([0.0; 2], 34.0, 34.0);
-        canvas.rect(r, "#eef1f4", Some(Pen::new(MUTED, 1.0)));
-        canvas.hairlines(
-            &(1..6)
-                .map(|i| {
-                    (
-                        [r.x0, r.y0 + f64::from(i) * 34.0 / 6.0],
-                        [r.x0 + f64::from(i) * 34.0 / 6.0, r.y0],
-                    )
-                })
-                .collect::<Vec<_>>(),
-            Pen::new(GRID_HEAVY, 1.0),
+        let half = 17.0;
+        canvas.rect(
+            Rect::centred([0.0; 2], 2.0 * half, 2.0 * half),
+            "#eef1f4",
+            Some(Pen::new(MUTED, 1.0)),
         );
+        let lines: Vec<(P, P)> = (1..12)
+            .map(|i| f64::from(i) * 2.0 * half / 6.0 - 2.0 * half)
+            .map(|sum| ((sum - half).max(-half), (sum + half).min(half), sum))
+            .map(|(a, b, sum)| ([a, sum - a], [b, sum - b]))
+            .collect();
+        canvas.hairlines(&lines, Pen::new(GRID_HEAVY, 1.0));
         return;
     }
     let (back, along) = ([-t[0] / n, t[1] / n], [-t[1] / n, -t[0] / n]);
