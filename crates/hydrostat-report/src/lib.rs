@@ -1,0 +1,28 @@
+//! Pictures and printable pages of what Hydrostat computes.
+//!
+//! [`shape_svg`] draws an equilibrium to scale in two views; [`verification_page`] turns a verification into one
+//! self-contained HTML page; [`svg_to_png`] makes pixels of the drawings. Strings out, no files and no clock.
+
+// what is drawn
+mod chart;
+
+mod describe;
+mod loads;
+mod overlay;
+mod page;
+
+mod shape;
+mod view;
+
+// drawing, with no robot
+mod draw;
+mod labels;
+#[cfg(feature = "png")]
+mod png;
+mod text;
+mod ticks;
+
+pub use page::{Provenance, verification_page};
+#[cfg(feature = "png")]
+pub use png::{PngError, svg_to_png};
+pub use shape::shape_svg;
