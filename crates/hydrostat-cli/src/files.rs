@@ -30,7 +30,7 @@ pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
             "{name} is larger than {limit} MiB, expected a robot, a bench or its table"
         )));
     }
-    String::from_utf8(bytes).map_err(|error| {
+    let text = String::from_utf8(bytes).map_err(|error| {
         let good = error.utf8_error().valid_up_to();
         let line = 1 + error.as_bytes()[..good]
             .iter()
@@ -38,7 +38,9 @@ pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
             .count();
         Error::new(format!("{name} is not UTF-8 text: bad byte in line {line}"))
             .hint("save the file as UTF-8")
-    })
+    })?;
+    // spreadsheets mark UTF-8 so
+    Ok(text.trim_start_matches('\u{feff}').to_owned())
 }
 
 /// Writes a file completely or not at all: beside it first, then renamed over it.
@@ -99,17 +101,19 @@ pub(crate) fn create_all(files: &[(String, String)]) -> Result<(), Error> {
     Ok(())
 }
 
-/// Makes a folder, or says why it cannot be one.
-pub(crate) fn make_folder(path: &Path) -> Result<(), Error> {
-    if path.exists() && !path.is_dir() {
-        let message = format!(
-            "cannot write the report into {}: it exists and is not a folder",
-            path.display()
-        );
+/// Refuses a path that cannot become a folder, before there is anything to put into it.
+pub(crate) fn refuse_file(folder: &Path) -> Result<(), Error> {
+    if folder.exists() && !folder.is_dir() {
+        let message = format!("{} exists and is not a folder", folder.display());
         return Err(Error::new(message).hint("name another folder"));
     }
-    fs::create_dir_all(path)
-        .map_err(|error| Error::new(format!("cannot make the folder {}: {error}", path.display())))
+    Ok(())
+}
+
+/// Makes a folder and those above it.
+pub(crate) fn make_folder(folder: &Path) -> Result<(), Error> {
+    fs::create_dir_all(folder)
+        .map_err(|error| Error::new(format!("cannot make the folder {}: {error}", folder.display())))
 }
 
 /// Writes a file that must not exist; an error says whether the file was made before it.

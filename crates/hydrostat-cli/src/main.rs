@@ -22,6 +22,7 @@ use std::process::ExitCode;
 /// Predicts the shape of continuum robots and verifies it against measurements.
 #[derive(Parser)]
 #[command(
+    name = "hydrostat",
     version,
     after_help = "Exit codes: 0 solved, 1 solved but a check fails, 2 error (message on stderr)."
 )]
@@ -78,7 +79,7 @@ fn print(text: &str) -> Result<(), Error> {
 }
 
 /// Shows what is doubtful but not wrong.
-fn warn(warnings: &[String]) {
+fn warn(warnings: &[impl std::fmt::Display]) {
     for warning in warnings {
         eprintln!("warning: {warning}");
     }

@@ -35,7 +35,7 @@ pub(crate) fn solution(robot: &Robot, shape: &Equilibrium, took: Duration) -> St
         );
         line(
             "base moment",
-            format!("{} N m", components(base.moment.as_slice(), 1.0, 6)),
+            format!("{} N mm", components(base.moment.as_slice(), MM, 4)),
         );
     }
     for check in &shape.checks {
@@ -157,7 +157,7 @@ fn point_cells(point: &Point, error: &PointError, length: f64) -> [String; 4] {
             .axes
             .iter()
             .filter_map(|&axis| v.get(axis))
-            .map(|x| format!("{:>8.2}", x * MM))
+            .map(|x| format!("{:>8}", fixed(x * MM, 2)))
             .collect();
         components.join(" ")
     };
@@ -247,8 +247,17 @@ pub(crate) fn aligned(table: &[Vec<String>]) -> String {
 }
 
 fn components(vector: &[f64], unit: f64, digits: usize) -> String {
-    let components: Vec<String> = vector.iter().map(|x| format!("{:.digits$}", x * unit)).collect();
+    let components: Vec<String> = vector.iter().map(|x| fixed(x * unit, digits)).collect();
     format!("[{}]", components.join(", "))
+}
+
+/// Fixed decimals, and no sign on what rounds to zero.
+fn fixed(value: f64, digits: usize) -> String {
+    let text = format!("{value:.digits$}");
+    match text.strip_prefix('-') {
+        Some(zero) if zero.chars().all(|c| matches!(c, '0' | '.')) => zero.to_owned(),
+        _ => text,
+    }
 }
 
 fn check_in_words(check: &Check) -> String {

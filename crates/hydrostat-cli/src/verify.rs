@@ -20,7 +20,7 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
     if let Some(folder) = &args.report {
-        files::make_folder(folder)?; // a refusal should not wait for the solving
+        files::refuse_file(folder)?;
     }
     let mut inputs = Vec::new();
     let parsed = read(args.experiment.as_deref(), &mut inputs)?;
@@ -80,5 +80,6 @@ fn write_page(
         inputs,
     };
     let page = pending::verification_page(experiment, verification, &provenance);
+    files::make_folder(folder)?;
     files::write(&folder.join("index.html"), page.as_bytes())
 }

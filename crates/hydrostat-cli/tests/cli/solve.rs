@@ -11,7 +11,7 @@ fn the_summary_is_for_people() {
         "tip position",
         "mm",
         "base force",
-        "N m",
+        "N mm",
         "strain",
         "limit",
         "error estimate",
