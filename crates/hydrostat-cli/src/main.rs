@@ -5,11 +5,13 @@
 
 #![allow(clippy::print_stderr, reason = "the binary prints")]
 
+mod comparison;
 mod files;
 mod json;
 mod new;
 mod pending;
 mod solve;
+mod summary;
 mod text;
 mod validate;
 mod verify;

@@ -1,6 +1,6 @@
 //! `hydrostat solve`: the shape of a robot under its loads.
 
-use crate::{Outcome, files, json, pending, text, warn};
+use crate::{Outcome, files, json, pending, summary, warn};
 use clap::ValueEnum;
 use hydrostat::{Equilibrium, Error, Robot, statics};
 use std::path::{Path, PathBuf};
@@ -66,13 +66,13 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
     if let Some((path, format)) = plot {
         files::write(path, &format.draw(&robot, &shape)?)?;
     }
-    let failures = text::failures(&shape);
+    let failures = summary::failures(&shape);
     let stdout = if args.json {
         format!("{}\n", json::solution(&robot, &shape, took))
     } else if args.csv {
-        text::stations(&shape)
+        summary::stations(&shape)
     } else {
-        text::solution(&robot, &shape, took)
+        summary::text(&robot, &shape, took)
     };
     if args.json || args.csv {
         warn(&failures);

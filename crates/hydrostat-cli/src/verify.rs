@@ -1,6 +1,6 @@
 //! `hydrostat verify`: the model against a measured bench.
 
-use crate::{Outcome, files, json, pending, text, warn};
+use crate::{Outcome, comparison, files, json, pending, warn};
 use hydrostat::Error;
 use hydrostat::statics::Settings;
 use hydrostat::verify::{Experiment, Verification, verify};
@@ -33,7 +33,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
     let stdout = if args.json {
         format!("{}\n", json::verification(&experiment, &verification))
     } else {
-        text::verification(&experiment, &verification)
+        comparison::table(&experiment, &verification)
     };
     Ok(Outcome { stdout, passed: true })
 }
