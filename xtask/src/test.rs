@@ -19,7 +19,7 @@ pub(crate) fn run() -> Result<(), String> {
         "clippy",
         "clippy --workspace --all-targets --all-features --locked -- -D warnings",
     );
-    steps.cargo("tests", "test --workspace --all-features --locked");
+    steps.cargo("tests", "test --workspace --all-features --locked --no-fail-fast");
     steps.cargo("wasm32", &format!("build -p hydrostat --target {WASM} --locked"));
     if root().join("fuzz").is_dir() {
         steps.cargo(
