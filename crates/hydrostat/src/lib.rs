@@ -12,6 +12,10 @@ pub mod model;
 pub mod solution;
 pub mod statics;
 
+// mathematics with no robot
+pub mod geometry;
+pub mod numeric;
+
 // what the shape is used for
 pub mod validate;
 pub mod verify;

@@ -1,6 +1,7 @@
 //! What the robot is: numbers in SI units, checked by whoever builds them (see `description`).
 
 use nalgebra::{Rotation3, Vector3};
+use std::f64::consts::PI;
 
 /// A robot: a clamped backbone of sections in series, base to tip, and what loads it.
 #[derive(Clone, Debug, PartialEq)]
@@ -120,5 +121,117 @@ impl Robot {
     /// Length of the unstretched backbone.
     pub fn length(&self) -> f64 {
         self.sections.iter().map(|section| section.length).sum()
+    }
+}
+
+impl Section {
+    /// The cross-section at a fraction of the section's length.
+    pub fn cross_section(&self, fraction: f64) -> CrossSection {
+        self.profile.base.towards(&self.profile.tip, fraction)
+    }
+
+    /// Diagonals of K_se = diag(k G A, k G A, E A) and K_bt = diag(E I1, E I2, G J) (G 12, G 14).
+    pub fn stiffness(&self, fraction: f64) -> (Vector3<f64>, Vector3<f64>) {
+        let (e, g) = (self.material.youngs_modulus, self.material.shear_modulus);
+        let cross_section = self.cross_section(fraction);
+        let area = cross_section.area();
+        let shear = self.profile.shear_coefficient * g * area;
+        let [i1, i2] = cross_section.second_moments();
+        (
+            Vector3::new(shear, shear, e * area),
+            Vector3::new(e * i1, e * i2, g * cross_section.torsion_constant()),
+        )
+    }
+}
+
+impl CrossSection {
+    /// Area, m^2.
+    pub fn area(&self) -> f64 {
+        match *self {
+            CrossSection::Round { diameter } => PI / 4.0 * diameter.powi(2),
+            CrossSection::Tube {
+                diameter,
+                inner_diameter,
+            } => PI / 4.0 * (diameter.powi(2) - inner_diameter.powi(2)),
+            CrossSection::Strip { width, height } => width * height,
+        }
+    }
+
+    /// Second moments of area about d1 and about d2, m^4.
+    pub fn second_moments(&self) -> [f64; 2] {
+        match *self {
+            CrossSection::Round { diameter } => [PI / 64.0 * diameter.powi(4); 2],
+            CrossSection::Tube {
+                diameter,
+                inner_diameter,
+            } => [PI / 64.0 * (diameter.powi(4) - inner_diameter.powi(4)); 2],
+            CrossSection::Strip { width, height } => {
+                [width * height.powi(3) / 12.0, height * width.powi(3) / 12.0]
+            }
+        }
+    }
+
+    /// Torsion constant J, m^4: polar moment of a round section, Saint-Venant's series for a strip.
+    ///
+    /// ```text
+    /// J = a b^3 (1/3 - 64 b / (pi^5 a) sum_{n = 1, 3, ..} tanh(n pi a / 2b) / n^5),  a >= b
+    /// ```
+    /// (Timoshenko & Goodier, Theory of Elasticity, section 109.)
+    pub fn torsion_constant(&self) -> f64 {
+        match *self {
+            CrossSection::Round { .. } | CrossSection::Tube { .. } => self.second_moments().iter().sum(),
+            CrossSection::Strip { width, height } => {
+                let (a, b) = (width.max(height), width.min(height));
+                // the tail after n = 2 TERMS - 1 is below 1e-9 of J
+                const TERMS: usize = 60;
+                let series: f64 = (0..TERMS)
+                    .map(|k| (2 * k + 1) as f64)
+                    .map(|n| (n * PI * a / (2.0 * b)).tanh() / n.powi(5))
+                    .sum();
+                a * b.powi(3) * (1.0 / 3.0 - 64.0 * b / (PI.powi(5) * a) * series)
+            }
+        }
+    }
+
+    /// Largest fibre strain under the bending strains (u - u*)_1, (u - u*)_2.
+    pub fn bending_strain(&self, bending: [f64; 2]) -> f64 {
+        match *self {
+            CrossSection::Round { diameter } | CrossSection::Tube { diameter, .. } => {
+                diameter / 2.0 * bending[0].hypot(bending[1])
+            }
+            CrossSection::Strip { width, height } => {
+                height / 2.0 * bending[0].abs() + width / 2.0 * bending[1].abs()
+            }
+        }
+    }
+
+    /// Linear interpolation of the dimensions; `self` where the two are of different kinds.
+    fn towards(&self, tip: &CrossSection, t: f64) -> CrossSection {
+        let mix = |a: f64, b: f64| a + t * (b - a);
+        match (*self, *tip) {
+            (CrossSection::Round { diameter: a }, CrossSection::Round { diameter: b }) => {
+                CrossSection::Round { diameter: mix(a, b) }
+            }
+            (
+                CrossSection::Tube {
+                    diameter: a,
+                    inner_diameter: c,
+                },
+                CrossSection::Tube {
+                    diameter: b,
+                    inner_diameter: d,
+                },
+            ) => CrossSection::Tube {
+                diameter: mix(a, b),
+                inner_diameter: mix(c, d),
+            },
+            (CrossSection::Strip { width: a, height: c }, CrossSection::Strip { width: b, height: d }) => {
+                CrossSection::Strip {
+                    width: mix(a, b),
+                    height: mix(c, d),
+                }
+            }
+            _ => *self,
+        }
     }
 }

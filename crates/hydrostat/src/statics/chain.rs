@@ -1,0 +1,292 @@
+//! The backbone cut at its breakpoints, with everything along it that does not depend on the shape.
+
+use crate::model::{Frame, LoadKind, Robot};
+use crate::numeric::butcher6::ABSCISSAE;
+use nalgebra::Vector3;
+
+/// The spans between breakpoints: section ends, point loads, guides, ends of distributed loads.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Chain {
+    pub(super) spans: Vec<Span>,
+    pub(super) length: f64,
+    /// Length over the integral of 1 / (smaller bending stiffness), N m^2: the scale of moments.
+    pub(super) stiffness: f64,
+    /// Whether a load follows the shape, so that the force along the backbone is unknown too.
+    pub(super) follower: bool,
+    /// Whether all loads are dead forces, so that the equilibrium is the stationary point of an energy.
+    pub(super) conservative: bool,
+    cuts: Vec<f64>,
+}
+
+/// A piece of one section on which all distributed loads are constant.
+#[derive(Clone, Debug)]
+pub(super) struct Span {
+    pub(super) from: f64,
+    pub(super) to: f64,
+    /// Index into `Robot::sections`, and where that section begins.
+    pub(super) section: usize,
+    pub(super) section_start: f64,
+    /// K_se^-1, K_bt^-1 diagonals; None where the section tapers.
+    uniform: Option<(Vector3<f64>, Vector3<f64>)>,
+    /// Dead force beyond the span's end, world frame.
+    force_beyond: Vector3<f64>,
+    /// Dead force and moment per length besides the weight, world frame.
+    force_per_length: Vector3<f64>,
+    moment_per_length: Vector3<f64>,
+    /// Following force and moment per length, body frame.
+    following_force: Vector3<f64>,
+    following_moment: Vector3<f64>,
+    /// Point loads at the span's end that jump in the unknown wrench.
+    pub(super) jump: Jump,
+}
+
+/// Point loads at one arc length that the unknown part of the wrench sees.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Jump {
+    /// Dead moment, world frame.
+    pub(super) moment: Vector3<f64>,
+    /// Following force and moment, body frame.
+    pub(super) following_force: Vector3<f64>,
+    pub(super) following_moment: Vector3<f64>,
+}
+
+/// One integration step with its shape-independent data at the abscissae of the stages.
+#[derive(Clone, Debug)]
+pub(super) struct Step {
+    pub(super) from: f64,
+    pub(super) length: f64,
+    pub(super) stages: [StageData; ABSCISSAE.len()],
+    pub(super) rest_curvature: Vector3<f64>,
+    pub(super) moment_per_length: Vector3<f64>,
+    pub(super) following_force: Vector3<f64>,
+    pub(super) following_moment: Vector3<f64>,
+}
+
+/// Compliance (diagonals of K_se^-1, K_bt^-1) and dead force n (world frame) at one arc length.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct StageData {
+    pub(super) shear: Vector3<f64>,
+    pub(super) bend: Vector3<f64>,
+    pub(super) force: Vector3<f64>,
+}
+
+impl Chain {
+    /// Cuts the robot; keeps the memory of an earlier chain.
+    pub(super) fn rebuild(&mut self, robot: &Robot) {
+        self.length = robot.length();
+        self.cut(robot);
+        self.spans.clear();
+        let (mut section, mut section_start) = (0, 0.0);
+        for pair in self.cuts.windows(2) {
+            let middle = 0.5 * (pair[0] + pair[1]);
+            while section + 1 < robot.sections.len()
+                && middle > section_start + robot.sections[section].length
+            {
+                section_start += robot.sections[section].length;
+                section += 1;
+            }
+            let profile = robot.sections[section].profile;
+            let uniform = (profile.base == profile.tip).then(|| {
+                let (shear, bend) = robot.sections[section].stiffness(0.0);
+                (shear.map(f64::recip), bend.map(f64::recip))
+            });
+            self.spans.push(Span {
+                from: pair[0],
+                to: pair[1],
+                section,
+                section_start,
+                uniform,
+                force_beyond: Vector3::zeros(),
+                force_per_length: Vector3::zeros(),
+                moment_per_length: Vector3::zeros(),
+                following_force: Vector3::zeros(),
+                following_moment: Vector3::zeros(),
+                jump: Jump::default(),
+            });
+        }
+        self.apply_loads(robot);
+        let flexibility: f64 = self
+            .spans
+            .iter()
+            .map(|span| {
+                let bend = span.compliance(robot, 0.5 * (span.from + span.to)).1;
+                (span.to - span.from) * bend.x.max(bend.y)
+            })
+            .sum();
+        self.stiffness = self.length / flexibility;
+    }
+
+    /// Sorts the breakpoints and drops those closer together than rounding.
+    fn cut(&mut self, robot: &Robot) {
+        let cuts = &mut self.cuts;
+        cuts.clear();
+        cuts.push(0.0);
+        let mut end = 0.0;
+        for section in &robot.sections {
+            if let Some(guides) = section.guides.as_ref().filter(|guides| guides.mass != 0.0) {
+                cuts.extend(guides.positions.iter().map(|position| end + position));
+            }
+            end += section.length;
+            cuts.push(end);
+        }
+        for load in &robot.loads {
+            match load.kind {
+                LoadKind::Point { at, .. } | LoadKind::Mass { at, .. } => cuts.push(at),
+                LoadKind::Distributed { from, to, .. } => cuts.extend([from, to]),
+            }
+        }
+        let same = SAME_PLACE * self.length;
+        for cut in cuts.iter_mut() {
+            *cut = cut.clamp(0.0, end);
+        }
+        cuts.sort_by(f64::total_cmp);
+        cuts.dedup_by(|later, kept| *later - *kept <= same);
+        // the exact ends, whatever was merged into them
+        if let Some(last) = cuts.last_mut() {
+            *last = end;
+        }
+    }
+
+    /// Collects point and distributed loads on the spans, tip to base.
+    fn apply_loads(&mut self, robot: &Robot) {
+        self.follower = false;
+        self.conservative = true;
+        let spans = &mut self.spans;
+        let same = SAME_PLACE * self.length;
+        let span_ending_at =
+            |spans: &[Span], at: f64| spans.iter().position(|span| (span.to - at).abs() <= same);
+        for load in &robot.loads {
+            match load.kind {
+                LoadKind::Point {
+                    at,
+                    force,
+                    moment,
+                    frame,
+                } => {
+                    // a load on the clamp itself bends nothing
+                    let Some(end) = span_ending_at(spans, at) else {
+                        continue;
+                    };
+                    if moment != Vector3::zeros() || frame == Frame::Body {
+                        self.conservative = false;
+                    }
+                    match frame {
+                        Frame::World => {
+                            spans[end].force_beyond += force;
+                            spans[end].jump.moment += moment;
+                        }
+                        Frame::Body => {
+                            self.follower = true;
+                            spans[end].jump.following_force += force;
+                            spans[end].jump.following_moment += moment;
+                        }
+                    }
+                }
+                LoadKind::Mass { at, mass } => {
+                    let Some(end) = span_ending_at(spans, at) else {
+                        continue;
+                    };
+                    spans[end].force_beyond += mass * robot.gravity;
+                }
+                LoadKind::Distributed {
+                    from,
+                    to,
+                    force_per_length,
+                    moment_per_length,
+                    frame,
+                } => {
+                    if moment_per_length != Vector3::zeros() || frame == Frame::Body {
+                        self.conservative = false;
+                    }
+                    self.follower |= frame == Frame::Body;
+                    for span in spans.iter_mut() {
+                        let middle = 0.5 * (span.from + span.to);
+                        if from < middle && middle < to {
+                            match frame {
+                                Frame::World => {
+                                    span.force_per_length += force_per_length;
+                                    span.moment_per_length += moment_per_length;
+                                }
+                                Frame::Body => {
+                                    span.following_force += force_per_length;
+                                    span.following_moment += moment_per_length;
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        let mut section_start = 0.0;
+        for section in &robot.sections {
+            if let Some(guides) = section.guides.as_ref().filter(|guides| guides.mass != 0.0) {
+                for position in &guides.positions {
+                    if let Some(end) = span_ending_at(spans, section_start + position) {
+                        spans[end].force_beyond += guides.mass * robot.gravity;
+                    }
+                }
+            }
+            section_start += section.length;
+        }
+        let mut beyond = Vector3::zeros();
+        for span in spans.iter_mut().rev() {
+            span.force_beyond += beyond;
+            beyond = span.dead_force(robot, span.from);
+        }
+    }
+
+    /// Number of the span that holds `s`, the earlier one at a breakpoint.
+    pub(super) fn span_at(&self, s: f64) -> usize {
+        self.spans
+            .partition_point(|span| span.to < s)
+            .min(self.spans.len() - 1)
+    }
+}
+
+impl Span {
+    /// A step from `s` over `length` within this span.
+    pub(super) fn step(&self, robot: &Robot, s: f64, length: f64) -> Step {
+        let stages = ABSCISSAE.map(|c| {
+            let at = s + c * length;
+            let (shear, bend) = self.uniform.unwrap_or_else(|| self.compliance(robot, at));
+            StageData {
+                shear,
+                bend,
+                force: self.dead_force(robot, at),
+            }
+        });
+        Step {
+            from: s,
+            length,
+            stages,
+            rest_curvature: robot.sections[self.section].rest_curvature,
+            moment_per_length: self.moment_per_length,
+            following_force: self.following_force,
+            following_moment: self.following_moment,
+        }
+    }
+
+    /// Diagonals of K_se^-1 and K_bt^-1 at `s`.
+    fn compliance(&self, robot: &Robot, s: f64) -> (Vector3<f64>, Vector3<f64>) {
+        let (shear, bend) = robot.sections[self.section].stiffness(self.fraction(robot, s));
+        (shear.map(f64::recip), bend.map(f64::recip))
+    }
+
+    /// Dead force beyond `s`, world frame: what is hung farther out, and the weight (G 6).
+    fn dead_force(&self, robot: &Robot, s: f64) -> Vector3<f64> {
+        let section = &robot.sections[self.section];
+        let length = self.to - s;
+        let [near, middle, far] = [s, 0.5 * (s + self.to), self.to]
+            .map(|at| section.cross_section(self.fraction(robot, at)).area());
+        // Simpson's rule: exact for the quadratic area of a taper
+        let volume = length * (near + 4.0 * middle + far) / 6.0;
+        self.force_beyond + length * self.force_per_length + section.material.density * volume * robot.gravity
+    }
+
+    fn fraction(&self, robot: &Robot, s: f64) -> f64 {
+        (s - self.section_start) / robot.sections[self.section].length
+    }
+}
+
+/// Breakpoints closer than this fraction of the length are one.
+const SAME_PLACE: f64 = 1e-12;

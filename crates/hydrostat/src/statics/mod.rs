@@ -1,0 +1,121 @@
+//! How the shape of a rod is found: shooting, made trustworthy.
+//!
+//! [`solve`] cuts the backbone into a chain, follows the equilibrium from the unloaded shape to the full
+//! load by damped Newton iterations on a coarse mesh, then halves the steps until two resolutions agree.
+
+mod chain;
+mod report;
+mod rod;
+mod search;
+mod shooting;
+
+use crate::{Equilibrium, Error, Robot};
+use chain::Chain;
+use search::Search;
+use shooting::{Mesh, Sweep};
+
+/// How accurately to solve and how much to report.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Largest estimated position error, as a fraction of the length; 1e-12 to 1e-2.
+    pub tolerance: f64,
+    /// Number of output stations, evenly spaced in s, both ends included; 0 for none.
+    pub stations: usize,
+    /// Shooting intervals; 1 is the thesis's single shooting, None one per step.
+    pub shooting_intervals: Option<usize>,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Settings {
+            tolerance: 1e-9,
+            stations: 101,
+            shooting_intervals: None,
+        }
+    }
+}
+
+/// Memory that solves of similar robots share, and the solution from which [`solve_near`] starts.
+#[derive(Clone, Debug, Default)]
+pub struct Workspace {
+    chain: Chain,
+    steps_per_span: Vec<usize>,
+    coarse: Mesh,
+    fine: Mesh,
+    dead: Sweep<2>,
+    follower: Sweep<3>,
+    /// Whether `coarse` holds a converged solution.
+    warm: bool,
+}
+
+/// Finds the equilibrium on the branch that starts at the unloaded shape.
+///
+/// # Errors
+/// Not converged or not accurate enough (the message says what was tried), or impossible settings.
+pub fn solve(robot: &Robot, settings: &Settings) -> Result<Equilibrium, Error> {
+    solve_in(robot, settings, &mut Workspace::default())
+}
+
+/// [`solve`], starting from the last solution in the workspace where it fits (same sections and the same
+/// places of loads): it follows the branch of that solution.
+///
+/// # Errors
+/// As [`solve`].
+pub fn solve_near(
+    robot: &Robot,
+    settings: &Settings,
+    workspace: &mut Workspace,
+) -> Result<Equilibrium, Error> {
+    let warm = workspace.warm;
+    run(robot, settings, workspace, warm)
+}
+
+/// [`solve`] in memory that is used again.
+///
+/// # Errors
+/// As [`solve`].
+pub fn solve_in(robot: &Robot, settings: &Settings, workspace: &mut Workspace) -> Result<Equilibrium, Error> {
+    run(robot, settings, workspace, false)
+}
+
+fn run(
+    robot: &Robot,
+    settings: &Settings,
+    workspace: &mut Workspace,
+    warm: bool,
+) -> Result<Equilibrium, Error> {
+    if !(1e-12..=1e-2).contains(&settings.tolerance) {
+        return Err(
+            Error::new(format!("tolerance {:e} of the length", settings.tolerance))
+                .hint("allowed: 1e-12 to 1e-2; the default is 1e-9"),
+        );
+    }
+    workspace.warm = false;
+    workspace.chain.rebuild(robot);
+    let Workspace {
+        chain,
+        steps_per_span,
+        coarse,
+        fine,
+        dead,
+        follower,
+        ..
+    } = workspace;
+    let warm = warm && steps_per_span.len() == chain.spans.len();
+    let mut search = Search {
+        robot,
+        settings,
+        chain,
+        steps_per_span,
+        coarse,
+        fine,
+        iterations: 0,
+    };
+    let found = if chain.follower {
+        search.run(warm, follower)?
+    } else {
+        search.run(warm, dead)?
+    };
+    workspace.warm = true;
+    report::equilibrium(robot, settings, &workspace.chain, &workspace.fine, &found)
+}

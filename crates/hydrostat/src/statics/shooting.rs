@@ -1,0 +1,336 @@
+//! Multiple shooting: Newton's method on the wrench and rotation at the nodes of a mesh.
+//!
+//! One interval is the thesis's method: guess the base wrench, integrate, correct until the tip is free.
+//! With more intervals each starts from a guess of its own and the corrections also close the gaps. Either
+//! way the linear equations are solved by a Riccati sweep from the tip, stable where the transition
+//! matrices grow exponentially: beyond node k the free tip means `dw_k = P_k dy_k + q_k`.
+
+use super::chain::{Chain, Jump, Step};
+use super::rod::{self, Node, Transition};
+use crate::geometry::{cayley, cayley_coordinates};
+use crate::model::Robot;
+use crate::numeric::{MAX_UNKNOWNS, eliminate};
+use nalgebra::{Matrix3, Vector3};
+
+/// Steps, nodes between them, and the scratch memory of the sweeps; kept from solve to solve.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Mesh {
+    pub(super) steps: Vec<Step>,
+    /// Loads passed at the end of each step.
+    pub(super) jumps: Vec<Jump>,
+    /// State at the start of each step, and after everything at the tip (steps + 1).
+    pub(super) nodes: Vec<Node>,
+    pub(super) positions: Vec<Vector3<f64>>,
+    /// Whether a shooting interval starts at the node, so that its state is an unknown of its own.
+    starts_interval: Vec<bool>,
+    gaps: Vec<Gap>,
+    corrections: Vec<Correction>,
+    /// What the last correction started from, and the correction itself, so that it can be damped.
+    previous: Vec<Node>,
+    tried: Vec<Correction>,
+}
+
+/// End of a step minus the node there.
+#[derive(Clone, Copy, Debug, Default)]
+struct Gap {
+    rotation: Vector3<f64>,
+    moment: Vector3<f64>,
+    force: Vector3<f64>,
+}
+
+/// What Newton's method adds to a node.
+type Correction = Gap;
+
+/// The feedback from a rotation error at a node to the wrench that keeps the tip free.
+#[derive(Clone, Copy, Debug)]
+struct Feedback {
+    moment: Matrix3<f64>,
+    force: Matrix3<f64>,
+    moment_offset: Vector3<f64>,
+    force_offset: Vector3<f64>,
+}
+
+/// Scratch of the Riccati sweep, per block size.
+#[derive(Clone, Debug)]
+pub(super) struct Sweep<const N: usize> {
+    transitions: Vec<Transition<N>>,
+    feedback: Vec<Feedback>,
+}
+
+impl<const N: usize> Default for Sweep<N> {
+    fn default() -> Self {
+        Sweep {
+            transitions: Vec::new(),
+            feedback: Vec::new(),
+        }
+    }
+}
+
+/// What one linearisation found.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Linearised {
+    /// Largest correction: radians, and wrench in units of stiffness / length (force: / length^2).
+    pub(super) correction: f64,
+    /// Number of conjugate points: 0 for a stable equilibrium of dead forces.
+    pub(super) conjugate_points: usize,
+}
+
+impl Mesh {
+    /// Divides every span of the chain into `per_span` steps; the nodes are kept where their number allows.
+    pub(super) fn rebuild(&mut self, robot: &Robot, chain: &Chain, per_span: &[usize], intervals: usize) {
+        self.steps.clear();
+        self.jumps.clear();
+        for (span, &count) in chain.spans.iter().zip(per_span) {
+            let length = (span.to - span.from) / count as f64;
+            for i in 0..count {
+                self.steps
+                    .push(span.step(robot, span.from + i as f64 * length, length));
+                self.jumps.push(if i + 1 == count {
+                    span.jump
+                } else {
+                    Jump::default()
+                });
+            }
+        }
+        let count = self.steps.len();
+        let intervals = intervals.clamp(1, count);
+        self.starts_interval.clear();
+        self.starts_interval.extend((0..=count).map(|k| {
+            // node k starts interval i where k = ceil(i count / intervals)
+            k == 0 || (k < count && (k * intervals) / count != ((k - 1) * intervals) / count)
+        }));
+        let base = Node {
+            rotation: *robot.base.rotation.matrix(),
+            moment: Vector3::zeros(),
+            force: Vector3::zeros(),
+        };
+        self.nodes.resize(count + 1, base);
+        self.nodes[0].rotation = base.rotation;
+        self.positions.resize(count + 1, robot.base.position);
+        self.positions[0] = robot.base.position;
+        self.gaps.resize(count, Gap::default());
+        self.corrections.resize(count + 1, Gap::default());
+        self.tried.resize(count + 1, Gap::default());
+    }
+
+    /// Puts every node at rest: no load, no wrench.
+    pub(super) fn rest(&mut self) {
+        self.nodes[0].moment = Vector3::zeros();
+        self.nodes[0].force = Vector3::zeros();
+        for k in 0..self.steps.len() {
+            self.nodes[k + 1] = rod::integrate(&self.steps[k], 0.0, &self.nodes[k]).0;
+        }
+    }
+
+    /// Starts from the solution on a mesh with half as many steps in every span.
+    pub(super) fn prolong(&mut self, coarse: &Mesh, factor: f64) {
+        for k in 0..coarse.steps.len() {
+            self.nodes[2 * k] = coarse.nodes[k];
+            let (mut end, _) = rod::integrate(&self.steps[2 * k], factor, &coarse.nodes[k]);
+            rod::pass(&self.jumps[2 * k], factor, &mut end);
+            self.nodes[2 * k + 1] = end;
+        }
+    }
+
+    /// Integrates without derivatives: positions, and the largest gap left in scaled units.
+    pub(super) fn residual(&mut self, chain: &Chain, factor: f64) -> f64 {
+        let mut largest = 0.0_f64;
+        for k in 0..self.steps.len() {
+            let (mut end, displacement) = rod::integrate(&self.steps[k], factor, &self.nodes[k]);
+            rod::pass(&self.jumps[k], factor, &mut end);
+            self.positions[k + 1] = self.positions[k] + displacement;
+            let gap = self.gap(k, &end);
+            if self.starts_interval[k + 1] || k + 1 == self.steps.len() {
+                largest = largest.max(gap.size(chain));
+            }
+            if !self.starts_interval[k + 1] {
+                self.nodes[k + 1] = end;
+            }
+        }
+        largest
+    }
+
+    /// End of step `k` against the node there; against a free tip at the last.
+    fn gap(&self, k: usize, end: &Node) -> Gap {
+        if k + 1 == self.steps.len() {
+            return Gap {
+                rotation: Vector3::zeros(),
+                moment: end.moment,
+                force: end.force,
+            };
+        }
+        let node = &self.nodes[k + 1];
+        Gap {
+            rotation: cayley_coordinates(&(end.rotation * node.rotation.transpose())),
+            moment: end.moment - node.moment,
+            force: end.force - node.force,
+        }
+    }
+
+    /// Integrates every step with its transition, then finds Newton's correction of every node.
+    pub(super) fn linearise<const N: usize>(
+        &mut self,
+        chain: &Chain,
+        factor: f64,
+        softening: f64,
+        sweep: &mut Sweep<N>,
+    ) -> Linearised {
+        let count = self.steps.len();
+        sweep.transitions.clear();
+        for k in 0..count {
+            let (mut end, _, mut transition) =
+                rod::integrate_with_transition::<N>(&self.steps[k], factor, softening, &self.nodes[k]);
+            rod::pass_transition(&self.jumps[k], factor, &end.rotation, &mut transition);
+            rod::pass(&self.jumps[k], factor, &mut end);
+            sweep.transitions.push(transition);
+            if self.starts_interval[k + 1] {
+                self.gaps[k] = self.gap(k, &end);
+            } else {
+                self.nodes[k + 1] = end;
+                self.gaps[k] = if k + 1 == count {
+                    self.gap(k, &end)
+                } else {
+                    Gap::default()
+                };
+            }
+        }
+        let conjugate_points = sweep.backward(&self.gaps);
+        sweep.forward(&self.gaps, &mut self.corrections);
+        let correction = self
+            .corrections
+            .iter()
+            .map(|correction| correction.size(chain))
+            .fold(0.0, larger_or_nan);
+        Linearised {
+            correction,
+            conjugate_points,
+        }
+    }
+
+    /// Adds the corrections to the nodes that start an interval.
+    pub(super) fn correct(&mut self) {
+        self.previous.clone_from(&self.nodes);
+        self.tried.clone_from(&self.corrections);
+        self.add_tried(1.0);
+    }
+
+    /// Takes the last correction back, and adds `scale` of it instead.
+    pub(super) fn damp(&mut self, scale: f64) {
+        self.nodes.clone_from(&self.previous);
+        self.add_tried(scale);
+    }
+
+    fn add_tried(&mut self, scale: f64) {
+        for k in 0..self.steps.len() {
+            if self.starts_interval[k] {
+                let (node, correction) = (&mut self.nodes[k], &self.tried[k]);
+                node.rotation = cayley(&(scale * correction.rotation)) * node.rotation;
+                node.moment += scale * correction.moment;
+                node.force += scale * correction.force;
+            }
+        }
+    }
+}
+
+impl Gap {
+    /// Size in radians and units of stiffness.
+    fn size(&self, chain: &Chain) -> f64 {
+        let moment = chain.length / chain.stiffness;
+        [
+            self.rotation.amax(),
+            self.moment.amax() * moment,
+            self.force.amax() * moment * chain.length,
+        ]
+        .into_iter()
+        .fold(0.0, larger_or_nan)
+    }
+}
+
+/// Maximum that keeps NaN, so that a blown-up iteration cannot look converged.
+fn larger_or_nan(a: f64, b: f64) -> f64 {
+    if a >= b { a } else { b }
+}
+
+impl<const N: usize> Sweep<N> {
+    /// Tip to base: at the tip the wrench beyond the last load is zero, `dw + gap = 0`.
+    ///
+    /// ```text
+    /// dy+ = T11 dy + T12 dw + g1,   dw+ = T21 dy + T22 dw + g2,   dw+ = P+ dy+ + q+
+    /// (T22 - P+ T12) dw = (P+ T11 - T21) dy + P+ g1 + q+ - g2
+    /// ```
+    /// Returns how often the determinant of the left-hand side is negative.
+    fn backward(&mut self, gaps: &[Gap]) -> usize {
+        let count = self.transitions.len();
+        let unknowns = 3 * (N - 1);
+        let free = Feedback {
+            moment: Matrix3::zeros(),
+            force: Matrix3::zeros(),
+            moment_offset: Vector3::zeros(),
+            force_offset: Vector3::zeros(),
+        };
+        self.feedback.clear();
+        self.feedback.resize(count + 1, free);
+        let mut negative = 0;
+        for k in (0..count).rev() {
+            let (t, gap, beyond) = (&self.transitions[k], &gaps[k], &self.feedback[k + 1]);
+            let mut rows = [[0.0; MAX_UNKNOWNS + 4]; MAX_UNKNOWNS];
+            for block_row in 1..N {
+                let (p, offset, block_gap) = if block_row == 1 {
+                    (&beyond.moment, &beyond.moment_offset, &gap.moment)
+                } else {
+                    (&beyond.force, &beyond.force_offset, &gap.force)
+                };
+                for block_column in 1..N {
+                    let left = t[block_row][block_column] - p * t[0][block_column];
+                    for i in 0..3 {
+                        for j in 0..3 {
+                            rows[3 * block_row - 3 + i][3 * block_column - 3 + j] = left[(i, j)];
+                        }
+                    }
+                }
+                let right = p * t[0][0] - t[block_row][0];
+                let offset = p * gap.rotation + offset - block_gap;
+                for i in 0..3 {
+                    let row = &mut rows[3 * block_row - 3 + i];
+                    for j in 0..3 {
+                        row[unknowns + j] = right[(i, j)];
+                    }
+                    row[unknowns + 3] = offset[i];
+                }
+            }
+            if eliminate(&mut rows, unknowns) < 0.0 {
+                negative += 1;
+            }
+            let matrix = |first: usize| Matrix3::from_fn(|i, j| rows[first + i][unknowns + j]);
+            let vector = |first: usize| Vector3::from_fn(|i, _| rows[first + i][unknowns + 3]);
+            let here = &mut self.feedback[k];
+            here.moment = matrix(0);
+            here.moment_offset = vector(0);
+            if N > 2 {
+                here.force = matrix(3);
+                here.force_offset = vector(3);
+            }
+        }
+        negative
+    }
+
+    /// Base to tip: the base does not turn.
+    fn forward(&self, gaps: &[Gap], corrections: &mut [Correction]) {
+        let mut rotation = Vector3::zeros();
+        for (k, feedback) in self.feedback.iter().enumerate() {
+            let moment = feedback.moment * rotation + feedback.moment_offset;
+            let force = feedback.force * rotation + feedback.force_offset;
+            corrections[k] = Correction {
+                rotation,
+                moment,
+                force,
+            };
+            if let Some(t) = self.transitions.get(k) {
+                rotation = t[0][0] * rotation + t[0][1] * moment + gaps[k].rotation;
+                if N > 2 {
+                    rotation += t[0][2] * force;
+                }
+            }
+        }
+    }
+}
