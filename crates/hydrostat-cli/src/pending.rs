@@ -2,7 +2,6 @@
 
 #![allow(unused_variables, reason = "the stand-ins ignore what they are given")]
 
-use hydrostat::statics::Settings;
 use hydrostat::validate::Case;
 use hydrostat::verify::{Experiment, Verification};
 use hydrostat::{Equilibrium, Error, Robot};
@@ -45,11 +44,6 @@ pub(crate) fn bench_template(name: &str) -> Vec<(String, String)> {
         (format!("{name}.toml"), format!("name = \"{name}\"\n")),
         (format!("{name}.csv"), "mass [g],x [mm],y [mm]\n".to_owned()),
     ]
-}
-
-/// Settings of the core, which has no choice of shooting intervals yet.
-pub(crate) fn settings(tolerance: f64, stations: usize, shooting_intervals: Option<usize>) -> Settings {
-    Settings { tolerance, stations }
 }
 
 /// `hydrostat::validate::run`; without a Result.

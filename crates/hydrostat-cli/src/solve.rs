@@ -2,7 +2,8 @@
 
 use crate::{Outcome, files, json, pending, summary, warn};
 use clap::ValueEnum;
-use hydrostat::{Equilibrium, Error, Robot, statics};
+use hydrostat::statics::{self, Settings};
+use hydrostat::{Equilibrium, Error, Robot};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -54,11 +55,11 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
     let robot = parsed.value;
 
     let Method::Shooting = args.method;
-    let settings = pending::settings(
-        args.tolerance,
-        args.stations,
-        args.shooting_intervals.map(usize::from),
-    );
+    let settings = Settings {
+        tolerance: args.tolerance,
+        stations: args.stations,
+        shooting_intervals: args.shooting_intervals.map(usize::from),
+    };
     let start = Instant::now();
     let shape = statics::solve(&robot, &settings)?;
     let took = start.elapsed();
@@ -96,10 +97,10 @@ fn tolerance(text: &str) -> Result<f64, String> {
     let value = text
         .parse()
         .map_err(|_| "expected a number such as 1e-9".to_owned())?;
-    if (1e-14..=1e-2).contains(&value) {
+    if (1e-12..=1e-2).contains(&value) {
         Ok(value)
     } else {
-        Err("expected 1e-14 to 1e-2".to_owned())
+        Err("expected 1e-12 to 1e-2".to_owned())
     }
 }
 
