@@ -7,6 +7,9 @@ use hydrostat::{Equilibrium, Robot};
 use std::fmt::Write;
 use std::time::Duration;
 
+/// The check that is a yes or no; its number is in the report.
+const STABILITY: &str = "stability";
+
 /// The default output of `solve`.
 pub(crate) fn text(robot: &Robot, shape: &Equilibrium, took: Duration) -> String {
     let report = &shape.report;
@@ -35,7 +38,7 @@ pub(crate) fn text(robot: &Robot, shape: &Equilibrium, took: Duration) -> String
             format!("{} N mm", components(base.moment.as_slice(), MM, 4)),
         );
     }
-    for check in &shape.checks {
+    for check in shape.checks.iter().filter(|check| check.name != STABILITY) {
         line(check.name, check_in_words(check));
     }
     line("stability", stability(report.stable, report.smallest_eigenvalue));
@@ -60,14 +63,16 @@ pub(crate) fn text(robot: &Robot, shape: &Equilibrium, took: Duration) -> String
 
 /// Every check that fails, in words.
 pub(crate) fn failures(shape: &Equilibrium) -> Vec<String> {
-    let failed = shape.checks.iter().filter(|check| !check.ok);
-    let mut failures: Vec<String> = failed
-        .map(|check| format!("check {} fails: {}", check.name, check_in_words(check)))
-        .collect();
-    if shape.report.stable == Some(false) {
-        failures.push("the equilibrium is unstable".to_owned());
-    }
-    failures
+    let in_words = |check: &Check| match check.name {
+        STABILITY => "the equilibrium is unstable".to_owned(),
+        name => format!("check {name} fails: {}", check_in_words(check)),
+    };
+    shape
+        .checks
+        .iter()
+        .filter(|check| !check.ok)
+        .map(in_words)
+        .collect()
 }
 
 /// The stations as CSV, SI units in the header.
@@ -102,7 +107,7 @@ fn check_in_words(check: &Check) -> String {
     let place = check
         .at
         .map_or(String::new(), |at| format!(" at s = {:.1} mm", at * MM));
-    let word = if check.ok { "" } else { ": TOO LARGE" };
+    let word = if check.ok { "" } else { ": FAILS" };
     format!("{}{place}, limit {}{word}", show(check.value), show(check.limit))
 }
 

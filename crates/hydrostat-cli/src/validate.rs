@@ -9,6 +9,9 @@ use std::path::PathBuf;
 /// The shapes of a steel rod computed with SoRoSim, in the data folder.
 const SOROSIM: &str = "sorosim_steel/statics.csv";
 
+const TITLE: &str = "# Validation\n\nPublished and exact solutions against ours, printed by `hydrostat validate --markdown`;\n\
+                     `cargo xtask docs` writes this file.\n\n";
+
 #[derive(clap::Args)]
 pub(crate) struct Args {
     /// Also the long sweep over random rods

@@ -78,8 +78,8 @@ fn an_unknown_key() {
 #[test]
 fn an_empty_file() {
     let folder = Folder::with("empty", "rod.toml", "");
-    folder.run("solve rod.toml").refuses(&["rod.toml", "section"]);
-    folder.run("verify rod.toml").refuses(&["rod.toml"]);
+    folder.run("solve rod.toml").refuses(&["rod.toml", "empty"]);
+    folder.run("verify rod.toml").refuses(&["rod.toml", "empty"]);
 }
 
 #[test]
