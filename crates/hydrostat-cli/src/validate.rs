@@ -34,7 +34,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
     let cases = pending::validate(sorosim.as_deref())?;
     let sweep = args.full.then(pending::sweep);
     let mut stdout = if args.markdown {
-        pending::markdown(&cases)
+        TITLE.to_owned() + &pending::markdown(&cases)
     } else {
         table(&cases)
     };
