@@ -22,13 +22,16 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
     if let Some(folder) = &args.report {
         files::refuse_file(folder)?;
     }
-    let mut inputs = Vec::new();
-    let parsed = read(args.experiment.as_deref(), &mut inputs)?;
+    let mut files = Vec::new();
+    let parsed = read(args.experiment.as_deref(), &mut files)?;
     warn(&parsed.warnings);
     let experiment = parsed.value;
-    let verification = verify(&experiment, &Settings::default())?;
+    let settings = Settings::default();
+    let verification = verify(&experiment, &settings)?;
     if let Some(folder) = &args.report {
-        write_page(folder, &experiment, &verification, inputs)?;
+        let page = page(&experiment, &verification, &settings, files);
+        files::make_folder(folder)?;
+        files::write(&folder.join("index.html"), page.as_bytes())?;
     }
     let stdout = if args.json {
         format!("{}\n", json::verification(&experiment, &verification))
@@ -38,48 +41,40 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
     Ok(Outcome { stdout, passed: true })
 }
 
-/// Reads an experiment and what it names, relative to its own folder; keeps every text for the report.
-fn read(
-    path: Option<&Path>,
-    inputs: &mut Vec<(String, String)>,
-) -> Result<pending::Parsed<Experiment>, Error> {
-    let name = path.map_or(pending::GRAY2009.into(), Path::to_string_lossy);
-    let folder = path.and_then(Path::parent).unwrap_or(Path::new(""));
-    let mut load = |file: &str| {
-        let text = match path {
-            Some(_) => files::read_text(&folder.join(file))?,
-            None => built_in(file)?,
-        };
-        inputs.push((file.to_owned(), text.clone()));
-        Ok(text)
+/// Reads an experiment and what it names, relative to its own folder; notes the names for the report.
+fn read(path: Option<&Path>, names: &mut Vec<String>) -> Result<pending::Parsed<Experiment>, Error> {
+    let Some(path) = path else {
+        names.push("the built-in bench of Gray 2009".to_owned());
+        return pending::built_in_experiment();
     };
-    let text = match path {
-        Some(path) => files::read_text(path)?,
-        None => built_in(pending::GRAY2009)?,
-    };
-    let parsed = pending::parse_experiment(&text, &name, &mut load)?;
-    inputs.insert(0, (name.into_owned(), text));
-    Ok(parsed)
+    let text = files::read_text(path)?;
+    let name = path.to_string_lossy().into_owned();
+    names.push(name.clone());
+    let folder = path.parent().unwrap_or(Path::new(""));
+    pending::parse_experiment(&text, &name, &mut |file| {
+        let linked = folder.join(file);
+        names.push(linked.to_string_lossy().into_owned());
+        files::read_text(&linked)
+    })
 }
 
-fn built_in(file: &str) -> Result<String, Error> {
-    let text = pending::gray2009(file);
-    text.map(str::to_owned)
-        .ok_or_else(|| Error::new(format!("no built-in file named {file}")))
-}
-
-fn write_page(
-    folder: &Path,
+fn page(
     experiment: &Experiment,
     verification: &Verification,
-    inputs: Vec<(String, String)>,
-) -> Result<(), Error> {
+    settings: &Settings,
+    files: Vec<String>,
+) -> String {
+    let arguments: Vec<String> = std::env::args_os()
+        .skip(1)
+        .map(|argument| argument.to_string_lossy().into_owned())
+        .collect();
     let provenance = pending::Provenance {
-        command: std::env::args().collect::<Vec<_>>().join(" "),
-        version: env!("CARGO_PKG_VERSION"),
-        inputs,
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        method: "special Cosserat rod, multiple shooting".to_owned(),
+        tolerance: settings.tolerance,
+        files,
+        command: Some(format!("hydrostat {}", arguments.join(" "))),
+        date: None, // the same input gives the same page
     };
-    let page = pending::verification_page(experiment, verification, &provenance);
-    files::make_folder(folder)?;
-    files::write(&folder.join("index.html"), page.as_bytes())
+    pending::verification_page(experiment, verification, &provenance)
 }
