@@ -1,3 +1,88 @@
-//! The `hydrostat` command: flags and glue around the core.
+//! The `hydrostat` command: flags, files and exit codes around the core.
+//!
+//! A command returns everything it wants to print; only this file writes to stdout, so that nothing is there when a
+//! command fails. Exit codes: 0 solved, 1 solved but a check fails, 2 error.
 
-fn main() {}
+#![allow(clippy::print_stderr, reason = "the binary prints")]
+
+mod comparison;
+mod files;
+mod json;
+mod new;
+mod pending;
+mod solve;
+mod summary;
+mod text;
+mod validate;
+mod verify;
+
+use clap::{Parser, Subcommand};
+use hydrostat::Error;
+use std::io::{ErrorKind, Write};
+use std::process::ExitCode;
+
+/// Predicts the shape of continuum robots and verifies it against measurements.
+#[derive(Parser)]
+#[command(
+    name = "hydrostat",
+    version,
+    after_help = "Exit codes: 0 solved, 1 solved but a check fails, 2 error (message on stderr)."
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Find the shape of a robot under its loads
+    Solve(solve::Args),
+    /// Hold the model against a measured bench
+    Verify(verify::Args),
+    /// Hold the solver against published and exact solutions
+    Validate(validate::Args),
+    /// Write commented starter files into the current folder
+    New(new::Args),
+}
+
+/// What a command that ran to its end has to say.
+struct Outcome {
+    stdout: String,
+    /// False where a check fails.
+    passed: bool,
+}
+
+fn main() -> ExitCode {
+    let outcome = match Cli::parse().command {
+        Command::Solve(args) => solve::run(&args),
+        Command::Verify(args) => verify::run(&args),
+        Command::Validate(args) => validate::run(&args),
+        Command::New(args) => new::run(&args),
+    };
+    match outcome.and_then(|outcome| print(&outcome.stdout).map(|()| outcome.passed)) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(1),
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Writes to stdout; a reader that has seen enough (`| head`) is no error.
+fn print(text: &str) -> Result<(), Error> {
+    let mut stdout = std::io::stdout().lock();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Error::new(format!("cannot write to stdout: {error}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Shows what is doubtful but not wrong.
+fn warn(warnings: &[impl std::fmt::Display]) {
+    for warning in warnings {
+        eprintln!("warning: {warning}");
+    }
+}

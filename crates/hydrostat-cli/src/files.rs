@@ -1,0 +1,125 @@
+//! Reads and writes files; every refusal names the file and the reason.
+
+use hydrostat::Error;
+use std::fs::{self, File};
+use std::io::{ErrorKind, Read, Write};
+use std::path::Path;
+
+/// Larger than any table of a bench.
+const LARGEST_INPUT: u64 = 64 << 20;
+
+/// Reads a UTF-8 text.
+pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
+    let name = path.display();
+    let refused = |error: std::io::Error| match error.kind() {
+        ErrorKind::NotFound => Error::new(format!("no file named {name}")).hint("check the path"),
+        ErrorKind::PermissionDenied => Error::new(format!("no permission to read {name}")),
+        _ => Error::new(format!("cannot read {name}: {error}")),
+    };
+    let file = File::open(path).map_err(refused)?;
+    if file.metadata().map_err(refused)?.is_dir() {
+        return Err(Error::new(format!("{name} is a folder, expected a file")).hint("name a file inside it"));
+    }
+    let mut bytes = Vec::new();
+    file.take(LARGEST_INPUT + 1)
+        .read_to_end(&mut bytes)
+        .map_err(refused)?;
+    if bytes.len() as u64 > LARGEST_INPUT {
+        let limit = LARGEST_INPUT >> 20;
+        return Err(Error::new(format!(
+            "{name} is larger than {limit} MiB, expected a robot, a bench or its table"
+        )));
+    }
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let good = error.utf8_error().valid_up_to();
+        let line = 1 + error.as_bytes()[..good]
+            .iter()
+            .filter(|&&byte| byte == b'\n')
+            .count();
+        Error::new(format!("{name} is not UTF-8 text: bad byte in line {line}"))
+            .hint("save the file as UTF-8")
+    })?;
+    // spreadsheets mark UTF-8 so
+    Ok(text.trim_start_matches('\u{feff}').to_owned())
+}
+
+/// Writes a file completely or not at all: beside it first, then renamed over it.
+pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    let refused = |error: std::io::Error| match error.kind() {
+        ErrorKind::NotFound => Error::new(format!(
+            "cannot write {}: its folder does not exist",
+            path.display()
+        )),
+        _ => Error::new(format!("cannot write {}: {error}", path.display())),
+    };
+    // a link stays a link
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    match fs::metadata(&target) {
+        Ok(meta) if meta.is_dir() => {
+            return Err(Error::new(format!(
+                "cannot write {}: it is a folder",
+                path.display()
+            )));
+        }
+        // a device or pipe cannot be replaced
+        Ok(meta) if !meta.is_file() => return fs::write(&target, bytes).map_err(refused),
+        _ => {}
+    }
+    let Some(name) = target.file_name() else {
+        return Err(Error::new(format!(
+            "cannot write {}: it names no file",
+            path.display()
+        )));
+    };
+    let beside = target.with_file_name(format!(".{}.{}.tmp", name.to_string_lossy(), std::process::id()));
+    let written =
+        write_new(&beside, bytes).and_then(|()| fs::rename(&beside, &target).map_err(|e| (true, e)));
+    written.map_err(|(made, error)| {
+        if made {
+            let _ = fs::remove_file(&beside);
+        }
+        refused(error)
+    })
+}
+
+/// Writes files that must not exist yet; on failure none of them is left.
+pub(crate) fn create_all(files: &[(String, String)]) -> Result<(), Error> {
+    for (i, (name, text)) in files.iter().enumerate() {
+        let Err((made, error)) = write_new(Path::new(name), text.as_bytes()) else {
+            continue;
+        };
+        let ours = if made { &files[..=i] } else { &files[..i] };
+        for (name, _) in ours {
+            let _ = fs::remove_file(name);
+        }
+        return Err(match error.kind() {
+            ErrorKind::AlreadyExists => Error::new(format!("{name} exists already and is left as it is"))
+                .hint("choose another name or move the file away"),
+            _ => Error::new(format!("cannot write {name}: {error}")),
+        });
+    }
+    Ok(())
+}
+
+/// Refuses a path that cannot become a folder, before there is anything to put into it.
+pub(crate) fn refuse_file(folder: &Path) -> Result<(), Error> {
+    if folder.exists() && !folder.is_dir() {
+        let message = format!("{} exists and is not a folder", folder.display());
+        return Err(Error::new(message).hint("name another folder"));
+    }
+    Ok(())
+}
+
+/// Makes a folder and those above it.
+pub(crate) fn make_folder(folder: &Path) -> Result<(), Error> {
+    fs::create_dir_all(folder)
+        .map_err(|error| Error::new(format!("cannot make the folder {}: {error}", folder.display())))
+}
+
+/// Writes a file that must not exist; an error says whether the file was made before it.
+fn write_new(path: &Path, bytes: &[u8]) -> Result<(), (bool, std::io::Error)> {
+    let mut file = File::create_new(path).map_err(|error| (false, error))?;
+    file.write_all(bytes)
+        .and_then(|()| file.sync_all())
+        .map_err(|error| (true, error))
+}

@@ -1,0 +1,134 @@
+//! The JSON of docs/format.md: SI, the unit in the key.
+
+use hydrostat::model::Pose;
+use hydrostat::solution::{Check, Method, Station};
+use hydrostat::verify::{Experiment, Summary, Varied, Verification};
+use hydrostat::{Equilibrium, Robot};
+use serde_json::{Map, Value, json};
+use std::time::Duration;
+
+/// `solve --json`.
+pub(crate) fn solution(robot: &Robot, shape: &Equilibrium, took: Duration) -> Value {
+    let Pose { position, rotation } = &shape.tip;
+    let report = &shape.report;
+    json!({
+        "robot": robot.name,
+        "tip": { "position_m": json!(position.as_slice()), "rotation": json!(<[[f64; 3]; 3]>::from(rotation.transpose().into_inner())) },
+        "stations": {
+            "s_m": column(shape, |station| json!(station.s)),
+            "position_m": column(shape, |station| json!(station.position.as_slice())),
+            "rotation": column(shape, |station| json!(<[[f64; 3]; 3]>::from(station.rotation.transpose()))),
+            "v": column(shape, |station| json!(station.v.as_slice())),
+            "u_per_m": column(shape, |station| json!(station.u.as_slice())),
+            "force_n": column(shape, |station| json!(station.force.as_slice())),
+            "moment_nm": column(shape, |station| json!(station.moment.as_slice())),
+        },
+        "tendons": [],
+        "checks": shape.checks.iter().map(check).collect::<Vec<_>>(),
+        "report": {
+            "method": method(report.method),
+            "iterations": report.iterations,
+            "residual": report.residual,
+            "error_estimate_m": report.error_estimate,
+            "stable": report.stable,
+            "smallest_eigenvalue": report.smallest_eigenvalue,
+            "solve_time_us": took.as_nanos() as f64 / 1e3,
+        },
+    })
+}
+
+/// `verify --json`; one row per measured point.
+pub(crate) fn verification(experiment: &Experiment, verification: &Verification) -> Value {
+    let mut rows = Vec::new();
+    for row in &verification.rows {
+        for (point, measured) in row.points.iter().zip(&experiment.points) {
+            let mut object = Map::new();
+            for (input, value) in experiment.inputs.iter().zip(&row.inputs) {
+                object.insert(input_key(&input.column, input.quantity), json!(value));
+            }
+            let axes = |v: &[f64]| {
+                json!(
+                    measured
+                        .axes
+                        .iter()
+                        .filter_map(|&axis| v.get(axis))
+                        .collect::<Vec<_>>()
+                )
+            };
+            object.insert("at_m".into(), json!(point.at));
+            object.insert("predicted_m".into(), axes(point.predicted.as_slice()));
+            object.insert("observed_m".into(), axes(point.observed.as_slice()));
+            object.insert("error_m".into(), json!(point.error));
+            rows.push(Value::Object(object));
+        }
+    }
+    let mut all = Map::new();
+    all.insert("experiment".into(), json!(experiment.name));
+    all.insert("length_m".into(), json!(experiment.robot.length()));
+    all.insert("rows".into(), Value::Array(rows));
+    all.extend(summary(&verification.model));
+    all.insert(
+        "constant_curvature".into(),
+        Value::Object(summary(&verification.constant_curvature)),
+    );
+    all.insert(
+        "constant_curvature_weightless".into(),
+        Value::Object(summary(&verification.constant_curvature_weightless)),
+    );
+    let variant = |(name, errors): &(String, Summary)| {
+        let mut object = Map::from_iter([("name".to_owned(), json!(name))]);
+        object.extend(summary(errors));
+        Value::Object(object)
+    };
+    all.insert(
+        "variants".into(),
+        verification.variants.iter().map(variant).collect(),
+    );
+    all.insert("findings".into(), json!(verification.findings));
+    all.insert("verdict".into(), json!(verification.verdict.join(" ")));
+    Value::Object(all)
+}
+
+/// The solver's name as in `--method`.
+pub(crate) fn method(method: Method) -> &'static str {
+    match method {
+        Method::Shooting => "shooting",
+    }
+}
+
+fn summary(errors: &Summary) -> Map<String, Value> {
+    Map::from_iter([
+        ("mean_error_m".to_owned(), json!(errors.mean)),
+        ("rms_error_m".to_owned(), json!(errors.rms)),
+        ("max_error_m".to_owned(), json!(errors.max)),
+        (
+            "mean_error_percent".to_owned(),
+            json!(errors.mean_fraction * 100.0),
+        ),
+        (
+            "rms_in_reading_errors".to_owned(),
+            json!(errors.in_reading_errors),
+        ),
+    ])
+}
+
+/// The column's name as a key, with the SI unit behind it.
+fn input_key(column: &str, quantity: Varied) -> String {
+    let unit = match quantity {
+        Varied::HungMass { .. } => "kg",
+        Varied::MountAngle => "rad",
+        Varied::Force { .. } => "n",
+    };
+    format!(
+        "{}_{unit}",
+        column.to_lowercase().replace(|c: char| !c.is_alphanumeric(), "_")
+    )
+}
+
+fn check(check: &Check) -> Value {
+    json!({ "name": check.name, "value": check.value, "limit": check.limit, "ok": check.ok, "at_m": check.at })
+}
+
+fn column(shape: &Equilibrium, of: impl Fn(&Station) -> Value) -> Value {
+    shape.stations.iter().map(of).collect()
+}

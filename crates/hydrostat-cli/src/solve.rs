@@ -1,0 +1,141 @@
+//! `hydrostat solve`: the shape of a robot under its loads.
+
+use crate::{Outcome, files, json, pending, summary, warn};
+use clap::ValueEnum;
+use hydrostat::statics::{self, Settings};
+use hydrostat::{Equilibrium, Error, Robot};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Pixels per unit of the drawing.
+#[cfg(feature = "png")]
+const PNG_SCALE: f32 = 2.0;
+
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// Robot file
+    robot: PathBuf,
+    /// Print everything as JSON
+    #[arg(long, conflicts_with = "csv")]
+    json: bool,
+    /// Print the stations as CSV
+    #[arg(long)]
+    csv: bool,
+    /// Draw side and front view to scale into a file .svg or .png
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// Output stations, evenly spaced in arc length, both ends included
+    #[arg(long, value_name = "K", default_value_t = 101, value_parser = station_count)]
+    stations: usize,
+    /// Largest estimated position error, as a fraction of the length
+    #[arg(long, value_name = "FRACTION", default_value_t = 1e-9, value_parser = tolerance)]
+    tolerance: f64,
+    /// How the shape is found
+    #[arg(long, value_enum, default_value_t = Method::Shooting)]
+    method: Method,
+    /// Shooting intervals [default: as many as the problem needs]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    shooting_intervals: Option<u16>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Method {
+    /// Integrates from the base and corrects the base wrench
+    Shooting,
+}
+
+pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
+    let plot = args
+        .plot
+        .as_deref()
+        .map(|path| Ok((path, Format::of(path)?)))
+        .transpose()?;
+    let parsed = pending::parse_robot(&files::read_text(&args.robot)?, &args.robot.to_string_lossy())?;
+    warn(&parsed.warnings);
+    let robot = parsed.value;
+
+    let Method::Shooting = args.method;
+    let settings = Settings {
+        tolerance: args.tolerance,
+        stations: args.stations,
+        shooting_intervals: args.shooting_intervals.map(usize::from),
+    };
+    let start = Instant::now();
+    let shape = statics::solve(&robot, &settings)?;
+    let took = start.elapsed();
+
+    if let Some((path, format)) = plot {
+        files::write(path, &format.draw(&robot, &shape)?)?;
+    }
+    let failures = summary::failures(&shape);
+    let stdout = if args.json {
+        format!("{}\n", json::solution(&robot, &shape, took))
+    } else if args.csv {
+        summary::stations(&shape)
+    } else {
+        summary::text(&robot, &shape, took)
+    };
+    if args.json || args.csv {
+        warn(&failures);
+    }
+    Ok(Outcome {
+        stdout,
+        passed: failures.is_empty(),
+    })
+}
+
+fn station_count(text: &str) -> Result<usize, String> {
+    let count = text.parse().map_err(|_| "expected a whole number".to_owned())?;
+    if (2..=1_000_001).contains(&count) {
+        Ok(count)
+    } else {
+        Err("expected 2 to 1000001".to_owned())
+    }
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    let value = text
+        .parse()
+        .map_err(|_| "expected a number such as 1e-9".to_owned())?;
+    if (1e-12..=1e-2).contains(&value) {
+        Ok(value)
+    } else {
+        Err("expected 1e-12 to 1e-2".to_owned())
+    }
+}
+
+/// A kind of drawing, known by the file's ending.
+#[derive(Clone, Copy)]
+enum Format {
+    Svg,
+    #[cfg(feature = "png")]
+    Png,
+}
+
+impl Format {
+    fn of(path: &Path) -> Result<Format, Error> {
+        match path.extension().map(|extension| extension.to_ascii_lowercase()) {
+            Some(extension) if extension == "svg" => Ok(Format::Svg),
+            #[cfg(feature = "png")]
+            Some(extension) if extension == "png" => Ok(Format::Png),
+            #[cfg(not(feature = "png"))]
+            Some(extension) if extension == "png" => {
+                Err(Error::new("this build of hydrostat draws SVG only")
+                    .hint("name a file .svg, or build with `--features png`"))
+            }
+            _ => Err(Error::new(format!(
+                "cannot draw into {}: expected a file .svg or .png",
+                path.display()
+            ))),
+        }
+    }
+
+    fn draw(self, robot: &Robot, shape: &Equilibrium) -> Result<Vec<u8>, Error> {
+        let svg = pending::shape_svg(robot, shape);
+        match self {
+            Format::Svg => Ok(svg.into_bytes()),
+            #[cfg(feature = "png")]
+            Format::Png => pending::svg_to_png(&svg, PNG_SCALE),
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! What `solve` prints: a summary in millimetres and degrees, or the stations as CSV.
+
+use crate::json::method;
+use crate::text::{MM, components};
+use hydrostat::solution::Check;
+use hydrostat::{Equilibrium, Robot};
+use std::fmt::Write;
+use std::time::Duration;
+
+/// The check that is a yes or no; its number is in the report.
+const STABILITY: &str = "stability";
+
+/// The default output of `solve`.
+pub(crate) fn text(robot: &Robot, shape: &Equilibrium, took: Duration) -> String {
+    let report = &shape.report;
+    let mut lines = vec![(robot.name.clone(), format!("{:.1} mm long", robot.length() * MM))];
+    let mut line = |name: &str, value: String| lines.push((format!("  {name}"), value));
+    let direction: Vec<f64> = shape.tip.rotation.matrix().column(2).iter().copied().collect();
+    let angles: Vec<f64> = direction
+        .iter()
+        .map(|cosine| cosine.clamp(-1.0, 1.0).acos().to_degrees())
+        .collect();
+    line(
+        "tip position",
+        format!("{} mm", components(shape.tip.position.as_slice(), MM, 3)),
+    );
+    line(
+        "tip direction",
+        format!("{} deg to the axes x y z", components(&angles, 1.0, 2)),
+    );
+    if let Some(base) = shape.stations.first() {
+        line(
+            "base force",
+            format!("{} N", components(base.force.as_slice(), 1.0, 6)),
+        );
+        line(
+            "base moment",
+            format!("{} N mm", components(base.moment.as_slice(), MM, 4)),
+        );
+    }
+    for check in shape.checks.iter().filter(|check| check.name != STABILITY) {
+        line(check.name, check_in_words(check));
+    }
+    line("stability", stability(report.stable, report.smallest_eigenvalue));
+    line(
+        "error estimate",
+        format!(
+            "{:.1e} mm (residual {:.1e})",
+            report.error_estimate * MM,
+            report.residual
+        ),
+    );
+    let (name, time) = (method(report.method), took.as_secs_f64() * 1e6);
+    line(
+        "found by",
+        format!("{name}, {} iterations, {time:.0} us", report.iterations),
+    );
+    lines
+        .iter()
+        .map(|(name, value)| format!("{name:<17} {value}\n"))
+        .collect()
+}
+
+/// Every check that fails, in words.
+pub(crate) fn failures(shape: &Equilibrium) -> Vec<String> {
+    let in_words = |check: &Check| match check.name {
+        STABILITY => "the equilibrium is unstable".to_owned(),
+        name => format!("check {name} fails: {}", check_in_words(check)),
+    };
+    shape
+        .checks
+        .iter()
+        .filter(|check| !check.ok)
+        .map(in_words)
+        .collect()
+}
+
+/// The stations as CSV, SI units in the header.
+pub(crate) fn stations(shape: &Equilibrium) -> String {
+    let mut csv = String::from(
+        "s [m],x [m],y [m],z [m],R11,R12,R13,R21,R22,R23,R31,R32,R33,v1,v2,v3,u1 [1/m],u2 [1/m],u3 [1/m],\
+         force x [N],force y [N],force z [N],moment x [N m],moment y [N m],moment z [N m]\n",
+    );
+    for station in &shape.stations {
+        let rotation = station.rotation.transpose(); // nalgebra stores columns
+        let vectors = [&station.v, &station.u, &station.force, &station.moment];
+        let numbers = station
+            .position
+            .iter()
+            .chain(rotation.iter())
+            .chain(vectors.into_iter().flatten());
+        let numbers: Vec<String> = numbers.map(|number| format!(",{number}")).collect();
+        let _ = writeln!(csv, "{}{}", station.s, numbers.concat());
+    }
+    csv
+}
+
+fn check_in_words(check: &Check) -> String {
+    // a strain is a fraction
+    let show = |value: f64| {
+        if check.name == "strain" {
+            format!("{:.3} %", value * 100.0)
+        } else {
+            format!("{value:.6}")
+        }
+    };
+    let place = check
+        .at
+        .map_or(String::new(), |at| format!(" at s = {:.1} mm", at * MM));
+    let word = if check.ok { "" } else { ": FAILS" };
+    format!("{}{place}, limit {}{word}", show(check.value), show(check.limit))
+}
+
+fn stability(stable: Option<bool>, smallest_eigenvalue: Option<f64>) -> String {
+    let word = match stable {
+        Some(true) => "stable",
+        Some(false) => "UNSTABLE",
+        None => return "not known: the loads follow the backbone".to_owned(),
+    };
+    smallest_eigenvalue.map_or(word.to_owned(), |value| {
+        format!("{word}, smallest eigenvalue {value:.4}")
+    })
+}

@@ -1,0 +1,93 @@
+//! `hydrostat validate`: published and exact solutions against ours.
+
+use crate::pending::{difference, ours};
+use crate::{Outcome, files, pending, text};
+use hydrostat::Error;
+use hydrostat::validate::Case;
+use std::path::PathBuf;
+
+/// The shapes of a steel rod computed with SoRoSim, in the data folder.
+const SOROSIM: &str = "sorosim_steel/statics.csv";
+
+const TITLE: &str = "# Validation\n\nPublished and exact solutions against ours, printed by `hydrostat validate --markdown`;\n\
+                     `cargo xtask docs` writes this file.\n\n";
+
+/// The long sweep.
+const RANDOM_RODS: usize = 10_000;
+const SEED: u64 = 1;
+
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// Also the long sweep over random rods
+    #[arg(long)]
+    full: bool,
+    /// Print as Markdown
+    #[arg(long)]
+    markdown: bool,
+    /// Folder of reference data with sorosim_steel/statics.csv
+    #[arg(long, value_name = "DIR")]
+    data: Option<PathBuf>,
+}
+
+pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
+    let sorosim = args
+        .data
+        .as_ref()
+        .map(|folder| files::read_text(&folder.join(SOROSIM)))
+        .transpose()?;
+    let mut cases = pending::validate(sorosim.as_deref())?;
+    if args.full {
+        cases.extend(pending::sweep(RANDOM_RODS, SEED));
+    }
+    let stdout = if args.markdown {
+        TITLE.to_owned() + &pending::markdown(&cases)
+    } else {
+        table(&cases)
+    };
+    Ok(Outcome {
+        stdout,
+        passed: cases.iter().all(Case::ok),
+    })
+}
+
+fn table(cases: &[Case]) -> String {
+    let mut text = String::new();
+    for group in cases.chunk_by(|a, b| a.group == b.group) {
+        let header = [
+            "case",
+            "published or exact",
+            "ours",
+            "difference",
+            "tolerance",
+            "",
+            "reason",
+        ];
+        let mut table = vec![header.map(str::to_owned).to_vec()];
+        table.extend(group.iter().map(|case| cells(case).to_vec()));
+        let mut sources: Vec<_> = group.iter().map(|case| case.source).collect();
+        sources.dedup();
+        text += &format!(
+            "{} ({})\n{}\n",
+            group[0].group,
+            sources.join("; "),
+            text::aligned(&table)
+        );
+    }
+    let failing = cases.iter().filter(|case| !case.ok()).count();
+    text + &match failing {
+        0 => format!("all {} cases agree within their tolerance\n", cases.len()),
+        _ => format!("{failing} of {} cases FAIL\n", cases.len()),
+    }
+}
+
+fn cells(case: &Case) -> [String; 7] {
+    [
+        case.name.clone(),
+        format!("{:.9}", case.reference),
+        ours(case).map_or_else(|message| message.replace('\n', " "), |ours| format!("{ours:.9}")),
+        format!("{:.1e}", difference(case)),
+        format!("{:.1e}", case.tolerance),
+        if case.ok() { "ok" } else { "FAILS" }.to_owned(),
+        case.reason.to_owned(),
+    ]
+}

@@ -1,0 +1,80 @@
+//! `hydrostat verify`: the model against a measured bench.
+
+use crate::{Outcome, comparison, files, json, pending, warn};
+use hydrostat::Error;
+use hydrostat::statics::Settings;
+use hydrostat::verify::{Experiment, Verification, verify};
+use std::path::{Path, PathBuf};
+
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// Experiment file [default: the built-in bench of Gray 2009]
+    experiment: Option<PathBuf>,
+    /// Print everything as JSON
+    #[arg(long)]
+    json: bool,
+    /// Write a page to print, DIR/index.html
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+}
+
+pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
+    if let Some(folder) = &args.report {
+        files::refuse_file(folder)?;
+    }
+    let mut files = Vec::new();
+    let parsed = read(args.experiment.as_deref(), &mut files)?;
+    warn(&parsed.warnings);
+    let experiment = parsed.value;
+    let settings = Settings::default();
+    let verification = verify(&experiment, &settings)?;
+    if let Some(folder) = &args.report {
+        let page = page(&experiment, &verification, &settings, files);
+        files::make_folder(folder)?;
+        files::write(&folder.join("index.html"), page.as_bytes())?;
+    }
+    let stdout = if args.json {
+        format!("{}\n", json::verification(&experiment, &verification))
+    } else {
+        comparison::table(&experiment, &verification)
+    };
+    Ok(Outcome { stdout, passed: true })
+}
+
+/// Reads an experiment and what it names, relative to its own folder; notes the names for the report.
+fn read(path: Option<&Path>, names: &mut Vec<String>) -> Result<pending::Parsed<Experiment>, Error> {
+    let Some(path) = path else {
+        names.push("the built-in bench of Gray 2009".to_owned());
+        return pending::built_in_experiment();
+    };
+    let text = files::read_text(path)?;
+    let name = path.to_string_lossy().into_owned();
+    names.push(name.clone());
+    let folder = path.parent().unwrap_or(Path::new(""));
+    pending::parse_experiment(&text, &name, &mut |file| {
+        let linked = folder.join(file);
+        names.push(linked.to_string_lossy().into_owned());
+        files::read_text(&linked)
+    })
+}
+
+fn page(
+    experiment: &Experiment,
+    verification: &Verification,
+    settings: &Settings,
+    files: Vec<String>,
+) -> String {
+    let arguments: Vec<String> = std::env::args_os()
+        .skip(1)
+        .map(|argument| argument.to_string_lossy().into_owned())
+        .collect();
+    let provenance = pending::Provenance {
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        method: "special Cosserat rod, multiple shooting".to_owned(),
+        tolerance: settings.tolerance,
+        files,
+        command: Some(format!("hydrostat {}", arguments.join(" "))),
+        date: None, // the same input gives the same page
+    };
+    pending::verification_page(experiment, verification, &provenance)
+}

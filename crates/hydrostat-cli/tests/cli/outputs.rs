@@ -1,0 +1,101 @@
+//! Files and pipes: complete or not there.
+
+use crate::{Folder, ROD};
+use std::io::{BufRead, BufReader};
+use std::process::{Command, Stdio};
+
+#[test]
+fn help_and_version_are_no_errors() {
+    let folder = Folder::new("help");
+    assert!(folder.run("--help").succeeds().contains("Exit codes"));
+    assert!(folder.run("solve --help").succeeds().contains("--stations"));
+    assert!(folder.run("--version").succeeds().starts_with("hydrostat "));
+}
+
+#[test]
+fn a_drawing_needs_a_known_ending() {
+    let folder = Folder::with("ending", "rod.toml", ROD);
+    folder
+        .run("solve rod.toml --plot rod.pdf")
+        .refuses(&["rod.pdf", ".svg or .png"]);
+    folder.run("solve rod.toml --plot rod").refuses(&[".svg or .png"]);
+    assert_eq!(folder.files(), ["rod.toml"]);
+}
+
+#[test]
+fn a_drawing_is_written_whole_or_not_at_all() {
+    let folder = Folder::with("drawing", "rod.toml", ROD);
+    folder
+        .run("solve rod.toml --plot none/rod.svg")
+        .refuses(&["cannot write none/rod.svg", "folder does not exist"]);
+    std::fs::create_dir(folder.path("taken.svg")).unwrap();
+    folder
+        .run("solve rod.toml --plot taken.svg")
+        .refuses(&["cannot write taken.svg", "it is a folder"]);
+    assert_eq!(folder.files(), ["rod.toml", "taken.svg"]);
+
+    std::fs::write(folder.path("rod.svg"), "old").unwrap();
+    folder.run("solve rod.toml --plot rod.svg").succeeds();
+    let drawing = std::fs::read_to_string(folder.path("rod.svg")).unwrap();
+    assert!(
+        drawing.contains("<svg") && drawing.trim_end().ends_with("</svg>"),
+        "{drawing}"
+    );
+    assert_eq!(folder.files(), ["rod.svg", "rod.toml", "taken.svg"]);
+}
+
+#[cfg(feature = "png")]
+#[test]
+fn a_drawing_can_be_a_png() {
+    let folder = Folder::with("png", "rod.toml", ROD);
+    folder.run("solve rod.toml --plot rod.PNG").succeeds();
+    assert!(
+        std::fs::read(folder.path("rod.PNG"))
+            .unwrap()
+            .starts_with(b"\x89PNG")
+    );
+}
+
+#[test]
+fn a_report_is_one_page() {
+    let folder = Folder::new("report");
+    folder.run("verify --report out/gray").succeeds();
+    let page = std::fs::read_to_string(folder.path("out/gray/index.html")).unwrap();
+    assert!(page.contains("<html") && page.contains("<svg"));
+    for outside in ["src=\"http", "href=\"http", "url(http", "@import"] {
+        assert!(!page.contains(outside), "the page loads something: {outside}");
+    }
+}
+
+#[test]
+fn a_report_folder_that_is_a_file() {
+    let folder = Folder::with("report_refused", "out", "mine");
+    folder
+        .run("verify --report out")
+        .refuses(&["out", "exists and is not a folder"]);
+    folder.run("verify --report out/inner").refuses(&["out/inner"]);
+    assert_eq!(folder.files(), ["out"]);
+    assert_eq!(std::fs::read_to_string(folder.path("out")).unwrap(), "mine");
+}
+
+#[test]
+fn a_reader_that_leaves_early_is_no_error() {
+    let folder = Folder::with("pipe", "rod.toml", ROD);
+    let mut child = Command::new(env!("CARGO_BIN_EXE_hydrostat"))
+        .args(["solve", "rod.toml", "--csv", "--stations", "20001"]) // far more than a pipe holds
+        .current_dir(&folder.0)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut reader = BufReader::with_capacity(64, child.stdout.take().unwrap());
+    let mut line = String::new();
+    reader.read_line(&mut line).unwrap();
+    assert!(line.starts_with("s [m],"), "{line}");
+    drop(reader);
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(
+        (output.status.code(), output.stderr.as_slice()),
+        (Some(0), b"".as_slice())
+    );
+}
