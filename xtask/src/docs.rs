@@ -7,21 +7,11 @@ use std::fs;
 const PRINTED: [(&str, &[&str]); 1] = [("docs/validation.md", &["validate", "--markdown"])];
 
 /// File, and the arguments that write it; the file's name follows.
-const DRAWN: [(&str, &[&str]); 1] = [(
-    "docs/gray2009.svg",
-    &["solve", "robots/gray2009_rod.toml", "--plot"],
-)];
+const DRAWN: [(&str, &[&str]); 1] = [("docs/gray2009.svg", &["solve", "robots/gray2009_rod.toml", "--plot"])];
 
 /// Builds the program with the features of the tests.
 pub(crate) fn build() -> Result<(), String> {
-    run(&[
-        "cargo",
-        "build",
-        "--package",
-        "hydrostat-cli",
-        "--all-features",
-        "--locked",
-    ])
+    run(&["cargo", "build", "--package", "hydrostat-cli", "--all-features", "--locked"])
 }
 
 pub(crate) fn write() -> Result<(), String> {
@@ -74,9 +64,7 @@ fn documents() -> Result<Vec<(&'static str, String)>, String> {
 /// The words of a line; a number with a negative exponent is a rounding error and differs between machines.
 fn without_small_numbers(line: &str) -> Vec<&str> {
     let small = |word: &str| word.contains("e-") && word.parse::<f64>().is_ok();
-    line.split_whitespace()
-        .map(|word| if small(word) { "small" } else { word })
-        .collect()
+    line.split_whitespace().map(|word| if small(word) { "small" } else { word }).collect()
 }
 
 #[test]
@@ -85,8 +73,5 @@ fn only_small_numbers_may_differ() {
         without_small_numbers("| tip | 3.2e-13 | ok |"),
         without_small_numbers("| tip | -4e-12 | ok |")
     );
-    assert_ne!(
-        without_small_numbers("| tip | 0.32 |"),
-        without_small_numbers("| tip | 0.33 |")
-    );
+    assert_ne!(without_small_numbers("| tip | 0.32 |"), without_small_numbers("| tip | 0.33 |"));
 }

@@ -35,11 +35,8 @@ pub(crate) fn check() -> Result<(), String> {
         "--format",
         "{l}|{p}",
     ])?;
-    let mut lines: Vec<&str> = tree
-        .lines()
-        .map(|line| line.trim_end_matches(" (*)"))
-        .filter(|line| !line.is_empty())
-        .collect();
+    let mut lines: Vec<&str> =
+        tree.lines().map(|line| line.trim_end_matches(" (*)")).filter(|line| !line.is_empty()).collect();
     lines.sort_unstable();
     lines.dedup();
     let refused: Vec<String> = lines
@@ -47,21 +44,11 @@ pub(crate) fn check() -> Result<(), String> {
         .filter_map(|line| line.split_once('|'))
         .filter(|(licence, _)| !allowed(licence))
         .map(|(licence, package)| {
-            format!(
-                "\n  {package}: {}",
-                if licence.is_empty() {
-                    "none stated"
-                } else {
-                    licence
-                }
-            )
+            format!("\n  {package}: {}", if licence.is_empty() { "none stated" } else { licence })
         })
         .collect();
     if !refused.is_empty() {
-        return Err(format!(
-            "licences not in the allow-list of xtask/src/licences.rs:{}",
-            refused.concat()
-        ));
+        return Err(format!("licences not in the allow-list of xtask/src/licences.rs:{}", refused.concat()));
     }
     println!("{} packages", lines.len());
     Ok(())
@@ -69,10 +56,7 @@ pub(crate) fn check() -> Result<(), String> {
 
 /// Whether an SPDX expression can be satisfied; `/` is the old way to write OR.
 fn allowed(expression: &str) -> bool {
-    let spaced = expression
-        .replace('/', " OR ")
-        .replace('(', " ( ")
-        .replace(')', " ) ");
+    let spaced = expression.replace('/', " OR ").replace('(', " ( ").replace(')', " ) ");
     let mut words = spaced.split_whitespace().peekable();
     any_of(&mut words) && words.next().is_none()
 }

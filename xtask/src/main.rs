@@ -1,10 +1,6 @@
 //! Project tasks: `cargo xtask test` does all set-up and runs every check.
 
-#![allow(
-    clippy::print_stdout,
-    clippy::print_stderr,
-    reason = "it talks to a developer"
-)]
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "it talks to a developer")]
 
 mod docs;
 mod licences;
@@ -39,9 +35,7 @@ fn main() -> ExitCode {
 
 /// The workspace's folder.
 fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .parent()
-        .expect("xtask lies in the workspace")
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in the workspace")
 }
 
 /// A command in the workspace's folder.
@@ -62,16 +56,10 @@ fn run(words: &[&str]) -> Result<(), String> {
 
 /// Runs a command and returns what it prints.
 fn capture(words: &[&str]) -> Result<String, String> {
-    let output = command(words)
-        .output()
-        .map_err(|error| format!("cannot run `{}`: {error}", words[0]))?;
+    let output = command(words).output().map_err(|error| format!("cannot run `{}`: {error}", words[0]))?;
     if !output.status.success() {
         let message = String::from_utf8_lossy(&output.stderr);
-        return Err(format!(
-            "`{}` ended with {}\n{message}",
-            words.join(" "),
-            output.status
-        ));
+        return Err(format!("`{}` ended with {}\n{message}", words.join(" "), output.status));
     }
     String::from_utf8(output.stdout).map_err(|_| format!("`{}` does not print text", words.join(" ")))
 }

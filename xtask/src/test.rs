@@ -15,21 +15,13 @@ pub(crate) fn run() -> Result<(), String> {
     }
     steps.cargo("format", "fmt --all --check");
     steps.step("licences", licences::check);
-    steps.cargo(
-        "clippy",
-        "clippy --workspace --all-targets --all-features --locked -- -D warnings",
-    );
+    steps.cargo("clippy", "clippy --workspace --all-targets --all-features --locked -- -D warnings");
     steps.cargo("tests", "test --workspace --all-features --locked --no-fail-fast");
     steps.cargo("wasm32", &format!("build -p hydrostat --target {WASM} --locked"));
     if root().join("fuzz").is_dir() {
-        steps.cargo(
-            "fuzz targets",
-            "check --manifest-path fuzz/Cargo.toml --target-dir target",
-        );
+        steps.cargo("fuzz targets", "check --manifest-path fuzz/Cargo.toml --target-dir target");
     }
-    steps.step("main job", || {
-        crate::run(&[&hydrostat()?.to_string_lossy(), "verify"])
-    });
+    steps.step("main job", || crate::run(&[&hydrostat()?.to_string_lossy(), "verify"]));
     steps.step("documents", docs::check);
     steps.sum_up()
 }
@@ -38,18 +30,12 @@ pub(crate) fn run() -> Result<(), String> {
 fn set_up() -> Result<(), String> {
     for (tool, component) in [("fmt", "rustfmt"), ("clippy", "clippy")] {
         if capture(&["cargo", tool, "--version"]).is_err() {
-            install(
-                &["rustup", "component", "add", component],
-                &format!("`cargo {tool}` is missing"),
-            )?;
+            install(&["rustup", "component", "add", component], &format!("`cargo {tool}` is missing"))?;
         }
     }
     let library = capture(&["rustc", "--print", "target-libdir", "--target", WASM])?;
     if !Path::new(library.trim()).is_dir() {
-        install(
-            &["rustup", "target", "add", WASM],
-            &format!("the standard library for {WASM} is missing"),
-        )?;
+        install(&["rustup", "target", "add", WASM], &format!("the standard library for {WASM} is missing"))?;
     }
     Ok(())
 }
@@ -105,10 +91,6 @@ impl Steps {
         }
         let total: Duration = self.done.iter().map(|(_, took, _)| *took).sum();
         println!("{:<14} {:>7.1} s", "together", total.as_secs_f64());
-        if self.failed() {
-            Err("at least one check failed".to_owned())
-        } else {
-            Ok(())
-        }
+        if self.failed() { Err("at least one check failed".to_owned()) } else { Ok(()) }
     }
 }

@@ -15,10 +15,7 @@ pub(crate) fn table(experiment: &Experiment, verification: &Verification) -> Str
     text += &aligned(&points(experiment, verification, length));
     text.push('\n');
     text += &aligned(&errors(verification));
-    for (heading, sentences) in [
-        ("Findings", &verification.findings),
-        ("Verdict", &verification.verdict),
-    ] {
+    for (heading, sentences) in [("Findings", &verification.findings), ("Verdict", &verification.verdict)] {
         if !sentences.is_empty() {
             let _ = writeln!(text, "\n{heading}\n  {}", sentences.join("\n  "));
         }
@@ -29,11 +26,8 @@ pub(crate) fn table(experiment: &Experiment, verification: &Verification) -> Str
 /// One line per measured point.
 fn points(experiment: &Experiment, verification: &Verification, length: f64) -> Vec<Vec<String>> {
     let several = experiment.points.len() > 1;
-    let mut header: Vec<String> = experiment
-        .inputs
-        .iter()
-        .map(|input| format!("{} [{}]", input.column, input.unit.0))
-        .collect();
+    let mut header: Vec<String> =
+        experiment.inputs.iter().map(|input| format!("{} [{}]", input.column, input.unit.0)).collect();
     if several {
         header.push("at [mm]".into());
     }
@@ -81,24 +75,13 @@ fn point_cells(point: &Point, error: &PointError, length: f64) -> [String; 4] {
 }
 
 fn axis_names(point: &Point) -> String {
-    point
-        .axes
-        .iter()
-        .filter_map(|&axis| ["x", "y", "z"].get(axis).copied())
-        .collect::<Vec<_>>()
-        .join(" ")
+    point.axes.iter().filter_map(|&axis| ["x", "y", "z"].get(axis).copied()).collect::<Vec<_>>().join(" ")
 }
 
 /// One line per model.
 fn errors(verification: &Verification) -> Vec<Vec<String>> {
-    let header = [
-        "errors",
-        "mean [mm]",
-        "rms [mm]",
-        "largest [mm]",
-        "mean [% of length]",
-        "rms [reading errors]",
-    ];
+    let header =
+        ["errors", "mean [mm]", "rms [mm]", "largest [mm]", "mean [% of length]", "rms [reading errors]"];
     let line = |name: &str, errors: &Summary| {
         vec![
             name.to_owned(),
@@ -113,16 +96,8 @@ fn errors(verification: &Verification) -> Vec<Vec<String>> {
         header.map(str::to_owned).to_vec(),
         line("this model", &verification.model),
         line("constant curvature", &verification.constant_curvature),
-        line(
-            "constant curvature, weight ignored",
-            &verification.constant_curvature_weightless,
-        ),
+        line("constant curvature, weight ignored", &verification.constant_curvature_weightless),
     ];
-    table.extend(
-        verification
-            .variants
-            .iter()
-            .map(|(name, errors)| line(name, errors)),
-    );
+    table.extend(verification.variants.iter().map(|(name, errors)| line(name, errors)));
     table
 }

@@ -21,9 +21,7 @@ pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
         return Err(Error::new(format!("{name} is a folder, expected a file")).hint("name a file inside it"));
     }
     let mut bytes = Vec::new();
-    file.take(LARGEST_INPUT + 1)
-        .read_to_end(&mut bytes)
-        .map_err(refused)?;
+    file.take(LARGEST_INPUT + 1).read_to_end(&mut bytes).map_err(refused)?;
     if bytes.len() as u64 > LARGEST_INPUT {
         let limit = LARGEST_INPUT >> 20;
         return Err(Error::new(format!(
@@ -32,10 +30,7 @@ pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
     }
     let text = String::from_utf8(bytes).map_err(|error| {
         let good = error.utf8_error().valid_up_to();
-        let line = 1 + error.as_bytes()[..good]
-            .iter()
-            .filter(|&&byte| byte == b'\n')
-            .count();
+        let line = 1 + error.as_bytes()[..good].iter().filter(|&&byte| byte == b'\n').count();
         Error::new(format!("{name} is not UTF-8 text: bad byte in line {line}"))
             .hint("save the file as UTF-8")
     })?;
@@ -46,30 +41,23 @@ pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
 /// Writes a file completely or not at all: beside it first, then renamed over it.
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     let refused = |error: std::io::Error| match error.kind() {
-        ErrorKind::NotFound => Error::new(format!(
-            "cannot write {}: its folder does not exist",
-            path.display()
-        )),
+        ErrorKind::NotFound => {
+            Error::new(format!("cannot write {}: its folder does not exist", path.display()))
+        }
         _ => Error::new(format!("cannot write {}: {error}", path.display())),
     };
     // a link stays a link
     let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     match fs::metadata(&target) {
         Ok(meta) if meta.is_dir() => {
-            return Err(Error::new(format!(
-                "cannot write {}: it is a folder",
-                path.display()
-            )));
+            return Err(Error::new(format!("cannot write {}: it is a folder", path.display())));
         }
         // a device or pipe cannot be replaced
         Ok(meta) if !meta.is_file() => return fs::write(&target, bytes).map_err(refused),
         _ => {}
     }
     let Some(name) = target.file_name() else {
-        return Err(Error::new(format!(
-            "cannot write {}: it names no file",
-            path.display()
-        )));
+        return Err(Error::new(format!("cannot write {}: it names no file", path.display())));
     };
     let beside = target.with_file_name(format!(".{}.{}.tmp", name.to_string_lossy(), std::process::id()));
     let written =
@@ -119,7 +107,5 @@ pub(crate) fn make_folder(folder: &Path) -> Result<(), Error> {
 /// Writes a file that must not exist; an error says whether the file was made before it.
 fn write_new(path: &Path, bytes: &[u8]) -> Result<(), (bool, std::io::Error)> {
     let mut file = File::create_new(path).map_err(|error| (false, error))?;
-    file.write_all(bytes)
-        .and_then(|()| file.sync_all())
-        .map_err(|error| (true, error))
+    file.write_all(bytes).and_then(|()| file.sync_all()).map_err(|error| (true, error))
 }

@@ -46,15 +46,8 @@ pub(crate) fn verification(experiment: &Experiment, verification: &Verification)
             for (input, value) in experiment.inputs.iter().zip(&row.inputs) {
                 object.insert(input_key(&input.column, input.quantity), json!(value));
             }
-            let axes = |v: &[f64]| {
-                json!(
-                    measured
-                        .axes
-                        .iter()
-                        .filter_map(|&axis| v.get(axis))
-                        .collect::<Vec<_>>()
-                )
-            };
+            let axes =
+                |v: &[f64]| json!(measured.axes.iter().filter_map(|&axis| v.get(axis)).collect::<Vec<_>>());
             object.insert("at_m".into(), json!(point.at));
             object.insert("predicted_m".into(), axes(point.predicted.as_slice()));
             object.insert("observed_m".into(), axes(point.observed.as_slice()));
@@ -67,10 +60,7 @@ pub(crate) fn verification(experiment: &Experiment, verification: &Verification)
     all.insert("length_m".into(), json!(experiment.robot.length()));
     all.insert("rows".into(), Value::Array(rows));
     all.extend(summary(&verification.model));
-    all.insert(
-        "constant_curvature".into(),
-        Value::Object(summary(&verification.constant_curvature)),
-    );
+    all.insert("constant_curvature".into(), Value::Object(summary(&verification.constant_curvature)));
     all.insert(
         "constant_curvature_weightless".into(),
         Value::Object(summary(&verification.constant_curvature_weightless)),
@@ -80,10 +70,7 @@ pub(crate) fn verification(experiment: &Experiment, verification: &Verification)
         object.extend(summary(errors));
         Value::Object(object)
     };
-    all.insert(
-        "variants".into(),
-        verification.variants.iter().map(variant).collect(),
-    );
+    all.insert("variants".into(), verification.variants.iter().map(variant).collect());
     all.insert("findings".into(), json!(verification.findings));
     all.insert("verdict".into(), json!(verification.verdict.join(" ")));
     Value::Object(all)
@@ -101,14 +88,8 @@ fn summary(errors: &Summary) -> Map<String, Value> {
         ("mean_error_m".to_owned(), json!(errors.mean)),
         ("rms_error_m".to_owned(), json!(errors.rms)),
         ("max_error_m".to_owned(), json!(errors.max)),
-        (
-            "mean_error_percent".to_owned(),
-            json!(errors.mean_fraction * 100.0),
-        ),
-        (
-            "rms_in_reading_errors".to_owned(),
-            json!(errors.in_reading_errors),
-        ),
+        ("mean_error_percent".to_owned(), json!(errors.mean_fraction * 100.0)),
+        ("rms_in_reading_errors".to_owned(), json!(errors.in_reading_errors)),
     ])
 }
 
@@ -119,10 +100,7 @@ fn input_key(column: &str, quantity: Varied) -> String {
         Varied::MountAngle => "rad",
         Varied::Force { .. } => "n",
     };
-    format!(
-        "{}_{unit}",
-        column.to_lowercase().replace(|c: char| !c.is_alphanumeric(), "_")
-    )
+    format!("{}_{unit}", column.to_lowercase().replace(|c: char| !c.is_alphanumeric(), "_"))
 }
 
 fn check(check: &Check) -> Value {

@@ -23,9 +23,7 @@ enum What {
 pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
     let name = &args.name;
     if name.is_empty() || !name.chars().all(|c| c.is_alphanumeric() || c == '-' || c == '_') {
-        return Err(Error::new(format!(
-            "\"{name}\" cannot name files: expected letters, digits, - and _"
-        )));
+        return Err(Error::new(format!("\"{name}\" cannot name files: expected letters, digits, - and _")));
     }
     let (templates, next) = match args.what {
         What::Rod => (pending::rod_template(name), "solve"),

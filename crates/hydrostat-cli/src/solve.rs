@@ -45,11 +45,7 @@ enum Method {
 }
 
 pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
-    let plot = args
-        .plot
-        .as_deref()
-        .map(|path| Ok((path, Format::of(path)?)))
-        .transpose()?;
+    let plot = args.plot.as_deref().map(|path| Ok((path, Format::of(path)?))).transpose()?;
     let parsed = pending::parse_robot(&files::read_text(&args.robot)?, &args.robot.to_string_lossy())?;
     warn(&parsed.warnings);
     let robot = parsed.value;
@@ -78,30 +74,17 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
     if args.json || args.csv {
         warn(&failures);
     }
-    Ok(Outcome {
-        stdout,
-        passed: failures.is_empty(),
-    })
+    Ok(Outcome { stdout, passed: failures.is_empty() })
 }
 
 fn station_count(text: &str) -> Result<usize, String> {
     let count = text.parse().map_err(|_| "expected a whole number".to_owned())?;
-    if (2..=1_000_001).contains(&count) {
-        Ok(count)
-    } else {
-        Err("expected 2 to 1000001".to_owned())
-    }
+    if (2..=1_000_001).contains(&count) { Ok(count) } else { Err("expected 2 to 1000001".to_owned()) }
 }
 
 fn tolerance(text: &str) -> Result<f64, String> {
-    let value = text
-        .parse()
-        .map_err(|_| "expected a number such as 1e-9".to_owned())?;
-    if (1e-12..=1e-2).contains(&value) {
-        Ok(value)
-    } else {
-        Err("expected 1e-12 to 1e-2".to_owned())
-    }
+    let value = text.parse().map_err(|_| "expected a number such as 1e-9".to_owned())?;
+    if (1e-12..=1e-2).contains(&value) { Ok(value) } else { Err("expected 1e-12 to 1e-2".to_owned()) }
 }
 
 /// A kind of drawing, known by the file's ending.
@@ -123,10 +106,9 @@ impl Format {
                 Err(Error::new("this build of hydrostat draws SVG only")
                     .hint("name a file .svg, or build with `--features png`"))
             }
-            _ => Err(Error::new(format!(
-                "cannot draw into {}: expected a file .svg or .png",
-                path.display()
-            ))),
+            _ => {
+                Err(Error::new(format!("cannot draw into {}: expected a file .svg or .png", path.display())))
+            }
         }
     }
 

@@ -16,27 +16,13 @@ pub(crate) fn text(robot: &Robot, shape: &Equilibrium, took: Duration) -> String
     let mut lines = vec![(robot.name.clone(), format!("{:.1} mm long", robot.length() * MM))];
     let mut line = |name: &str, value: String| lines.push((format!("  {name}"), value));
     let direction: Vec<f64> = shape.tip.rotation.matrix().column(2).iter().copied().collect();
-    let angles: Vec<f64> = direction
-        .iter()
-        .map(|cosine| cosine.clamp(-1.0, 1.0).acos().to_degrees())
-        .collect();
-    line(
-        "tip position",
-        format!("{} mm", components(shape.tip.position.as_slice(), MM, 3)),
-    );
-    line(
-        "tip direction",
-        format!("{} deg to the axes x y z", components(&angles, 1.0, 2)),
-    );
+    let angles: Vec<f64> =
+        direction.iter().map(|cosine| cosine.clamp(-1.0, 1.0).acos().to_degrees()).collect();
+    line("tip position", format!("{} mm", components(shape.tip.position.as_slice(), MM, 3)));
+    line("tip direction", format!("{} deg to the axes x y z", components(&angles, 1.0, 2)));
     if let Some(base) = shape.stations.first() {
-        line(
-            "base force",
-            format!("{} N", components(base.force.as_slice(), 1.0, 6)),
-        );
-        line(
-            "base moment",
-            format!("{} N mm", components(base.moment.as_slice(), MM, 4)),
-        );
+        line("base force", format!("{} N", components(base.force.as_slice(), 1.0, 6)));
+        line("base moment", format!("{} N mm", components(base.moment.as_slice(), MM, 4)));
     }
     for check in shape.checks.iter().filter(|check| check.name != STABILITY) {
         line(check.name, check_in_words(check));
@@ -44,21 +30,11 @@ pub(crate) fn text(robot: &Robot, shape: &Equilibrium, took: Duration) -> String
     line("stability", stability(report.stable, report.smallest_eigenvalue));
     line(
         "error estimate",
-        format!(
-            "{:.1e} mm (residual {:.1e})",
-            report.error_estimate * MM,
-            report.residual
-        ),
+        format!("{:.1e} mm (residual {:.1e})", report.error_estimate * MM, report.residual),
     );
     let (name, time) = (method(report.method), took.as_secs_f64() * 1e6);
-    line(
-        "found by",
-        format!("{name}, {} iterations, {time:.0} us", report.iterations),
-    );
-    lines
-        .iter()
-        .map(|(name, value)| format!("{name:<17} {value}\n"))
-        .collect()
+    line("found by", format!("{name}, {} iterations, {time:.0} us", report.iterations));
+    lines.iter().map(|(name, value)| format!("{name:<17} {value}\n")).collect()
 }
 
 /// Every check that fails, in words.
@@ -67,12 +43,7 @@ pub(crate) fn failures(shape: &Equilibrium) -> Vec<String> {
         STABILITY => "the equilibrium is unstable".to_owned(),
         name => format!("check {name} fails: {}", check_in_words(check)),
     };
-    shape
-        .checks
-        .iter()
-        .filter(|check| !check.ok)
-        .map(in_words)
-        .collect()
+    shape.checks.iter().filter(|check| !check.ok).map(in_words).collect()
 }
 
 /// The stations as CSV, SI units in the header.
@@ -84,11 +55,7 @@ pub(crate) fn stations(shape: &Equilibrium) -> String {
     for station in &shape.stations {
         let rotation = station.rotation.transpose(); // nalgebra stores columns
         let vectors = [&station.v, &station.u, &station.force, &station.moment];
-        let numbers = station
-            .position
-            .iter()
-            .chain(rotation.iter())
-            .chain(vectors.into_iter().flatten());
+        let numbers = station.position.iter().chain(rotation.iter()).chain(vectors.into_iter().flatten());
         let numbers: Vec<String> = numbers.map(|number| format!(",{number}")).collect();
         let _ = writeln!(csv, "{}{}", station.s, numbers.concat());
     }
@@ -98,15 +65,9 @@ pub(crate) fn stations(shape: &Equilibrium) -> String {
 fn check_in_words(check: &Check) -> String {
     // a strain is a fraction
     let show = |value: f64| {
-        if check.name == "strain" {
-            format!("{:.3} %", value * 100.0)
-        } else {
-            format!("{value:.6}")
-        }
+        if check.name == "strain" { format!("{:.3} %", value * 100.0) } else { format!("{value:.6}") }
     };
-    let place = check
-        .at
-        .map_or(String::new(), |at| format!(" at s = {:.1} mm", at * MM));
+    let place = check.at.map_or(String::new(), |at| format!(" at s = {:.1} mm", at * MM));
     let word = if check.ok { "" } else { ": FAILS" };
     format!("{}{place}, limit {}{word}", show(check.value), show(check.limit))
 }
@@ -117,7 +78,5 @@ fn stability(stable: Option<bool>, smallest_eigenvalue: Option<f64>) -> String {
         Some(false) => "UNSTABLE",
         None => return "not known: the loads follow the backbone".to_owned(),
     };
-    smallest_eigenvalue.map_or(word.to_owned(), |value| {
-        format!("{word}, smallest eigenvalue {value:.4}")
-    })
+    smallest_eigenvalue.map_or(word.to_owned(), |value| format!("{word}, smallest eigenvalue {value:.4}"))
 }

@@ -9,14 +9,11 @@ pub(crate) const MM: f64 = 1e3;
 pub(crate) fn aligned(table: &[Vec<String>]) -> String {
     let columns = table.iter().map(Vec::len).max().unwrap_or(0);
     let cells = |column: usize| table.iter().filter_map(move |row| row.get(column));
-    let widths: Vec<usize> = (0..columns)
-        .map(|c| cells(c).map(|cell| cell.chars().count()).max().unwrap_or(0))
-        .collect();
+    let widths: Vec<usize> =
+        (0..columns).map(|c| cells(c).map(|cell| cell.chars().count()).max().unwrap_or(0)).collect();
     let words: Vec<bool> = (0..columns)
         .map(|c| {
-            cells(c)
-                .skip(1)
-                .any(|cell| cell.chars().any(|letter| letter.is_alphabetic() && letter != 'e'))
+            cells(c).skip(1).any(|cell| cell.chars().any(|letter| letter.is_alphabetic() && letter != 'e'))
         })
         .collect();
     let mut text = String::new();
@@ -24,11 +21,8 @@ pub(crate) fn aligned(table: &[Vec<String>]) -> String {
         let mut line = String::new();
         for (c, cell) in row.iter().enumerate() {
             let width = widths[c];
-            let _ = if words[c] {
-                write!(line, "  {cell:<width$}")
-            } else {
-                write!(line, "  {cell:>width$}")
-            };
+            let _ =
+                if words[c] { write!(line, "  {cell:<width$}") } else { write!(line, "  {cell:>width$}") };
         }
         let _ = writeln!(text, "{}", line.trim_end());
     }

@@ -30,48 +30,24 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
-    let sorosim = args
-        .data
-        .as_ref()
-        .map(|folder| files::read_text(&folder.join(SOROSIM)))
-        .transpose()?;
+    let sorosim = args.data.as_ref().map(|folder| files::read_text(&folder.join(SOROSIM))).transpose()?;
     let mut cases = pending::validate(sorosim.as_deref())?;
     if args.full {
         cases.extend(pending::sweep(RANDOM_RODS, SEED));
     }
-    let stdout = if args.markdown {
-        TITLE.to_owned() + &pending::markdown(&cases)
-    } else {
-        table(&cases)
-    };
-    Ok(Outcome {
-        stdout,
-        passed: cases.iter().all(Case::ok),
-    })
+    let stdout = if args.markdown { TITLE.to_owned() + &pending::markdown(&cases) } else { table(&cases) };
+    Ok(Outcome { stdout, passed: cases.iter().all(Case::ok) })
 }
 
 fn table(cases: &[Case]) -> String {
     let mut text = String::new();
     for group in cases.chunk_by(|a, b| a.group == b.group) {
-        let header = [
-            "case",
-            "published or exact",
-            "ours",
-            "difference",
-            "tolerance",
-            "",
-            "reason",
-        ];
+        let header = ["case", "published or exact", "ours", "difference", "tolerance", "", "reason"];
         let mut table = vec![header.map(str::to_owned).to_vec()];
         table.extend(group.iter().map(|case| cells(case).to_vec()));
         let mut sources: Vec<_> = group.iter().map(|case| case.source).collect();
         sources.dedup();
-        text += &format!(
-            "{} ({})\n{}\n",
-            group[0].group,
-            sources.join("; "),
-            text::aligned(&table)
-        );
+        text += &format!("{} ({})\n{}\n", group[0].group, sources.join("; "), text::aligned(&table));
     }
     let failing = cases.iter().filter(|case| !case.ok()).count();
     text + &match failing {

@@ -64,10 +64,8 @@ fn page(
     settings: &Settings,
     files: Vec<String>,
 ) -> String {
-    let arguments: Vec<String> = std::env::args_os()
-        .skip(1)
-        .map(|argument| argument.to_string_lossy().into_owned())
-        .collect();
+    let arguments: Vec<String> =
+        std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned()).collect();
     let provenance = pending::Provenance {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         method: "special Cosserat rod, multiple shooting".to_owned(),

@@ -17,11 +17,9 @@ pub(crate) fn error_svg(experiment: &Experiment, verification: &Verification) ->
     let input = experiment.inputs.first();
     let unit = input.map_or(1.0, |i| i.unit.1);
     let xs: Vec<f64> = match input {
-        Some(_) => verification
-            .rows
-            .iter()
-            .map(|r| r.inputs.first().copied().unwrap_or(0.0) / unit)
-            .collect(),
+        Some(_) => {
+            verification.rows.iter().map(|r| r.inputs.first().copied().unwrap_or(0.0) / unit).collect()
+        }
         None => (1..=verification.rows.len()).map(|i| i as f64).collect(),
     };
     let x_name = match input {
@@ -31,15 +29,9 @@ pub(crate) fn error_svg(experiment: &Experiment, verification: &Verification) ->
     };
 
     // errors in mm, one series per measured point
-    let points = verification
-        .rows
-        .iter()
-        .map(|r| r.points.len())
-        .max()
-        .unwrap_or(0);
-    let model: Vec<Vec<P>> = (0..points)
-        .map(|j| series(verification, &xs, j, |_, p| 1e3 * p.error))
-        .collect();
+    let points = verification.rows.iter().map(|r| r.points.len()).max().unwrap_or(0);
+    let model: Vec<Vec<P>> =
+        (0..points).map(|j| series(verification, &xs, j, |_, p| 1e3 * p.error)).collect();
     let constant: Vec<Vec<P>> = (0..points)
         .map(|j| {
             series(verification, &xs, j, |row, _| {
@@ -47,23 +39,13 @@ pub(crate) fn error_svg(experiment: &Experiment, verification: &Verification) ->
             })
         })
         .collect();
-    let reading = 1e3
-        * experiment
-            .points
-            .iter()
-            .map(|p| p.reading_error)
-            .fold(0.0, f64::max);
+    let reading = 1e3 * experiment.points.iter().map(|p| p.reading_error).fold(0.0, f64::max);
 
     let (left, top, width, height) = (44.0, 40.0, 400.0, 262.0);
     let frame = Rect::new(left, top, left + width, top + height);
     let finite = |v: &f64| v.is_finite();
-    let high = model
-        .iter()
-        .chain(&constant)
-        .flatten()
-        .map(|p| p[1])
-        .filter(finite)
-        .fold(2.0 * reading, f64::max);
+    let high =
+        model.iter().chain(&constant).flatten().map(|p| p[1]).filter(finite).fold(2.0 * reading, f64::max);
     let step_y = nice_step(if high > 0.0 { high / 6.0 } else { 0.2 });
     let high = (high / step_y).ceil().max(1.0) * step_y;
     let [low_x, high_x] = range(&xs);
@@ -73,50 +55,28 @@ pub(crate) fn error_svg(experiment: &Experiment, verification: &Verification) ->
         nice_step((high_x - low_x) / 9.0)
     };
     let at = |p: P| {
-        [
-            left + 14.0 + (width - 28.0) * (p[0] - low_x) / (high_x - low_x),
-            top + height * (1.0 - p[1] / high),
-        ]
+        [left + 14.0 + (width - 28.0) * (p[0] - low_x) / (high_x - low_x), top + height * (1.0 - p[1] / high)]
     };
 
     let mut page = Canvas::new();
     if reading > 0.0 {
-        page.rect(
-            Rect::new(frame.x0, at([low_x, reading])[1], frame.x1, frame.y1),
-            BAND,
-            None,
-        );
+        page.rect(Rect::new(frame.x0, at([low_x, reading])[1], frame.x1, frame.y1), BAND, None);
     }
     let mut grid = Vec::new();
     for y in ticks(0.0, high, step_y) {
         let py = at([low_x, y])[1];
         grid.push(([frame.x0, py], [frame.x1, py]));
-        page.text(
-            [frame.x0 - 7.0, py + 4.0],
-            Anchor::End,
-            SMALL,
-            &fixed(y, decimals(step_y)),
-        );
+        page.text([frame.x0 - 7.0, py + 4.0], Anchor::End, SMALL, &fixed(y, decimals(step_y)));
     }
     for x in ticks(low_x, high_x, step_x) {
         let px = at([x, 0.0])[0];
         grid.push(([px, frame.y0], [px, frame.y1]));
-        page.text(
-            [px, frame.y1 + 16.0],
-            Anchor::Middle,
-            SMALL,
-            &fixed(x, decimals(step_x)),
-        );
+        page.text([px, frame.y1 + 16.0], Anchor::Middle, SMALL, &fixed(x, decimals(step_x)));
     }
     page.hairlines(&grid, Pen::new(GRID, 1.0));
     page.rect(frame, "none", Some(Pen::new(GRID_HEAVY, 1.0)));
     page.text([frame.x0, frame.y0 - 26.0], Anchor::Start, NAME, "error in mm");
-    page.text(
-        [(frame.x0 + frame.x1) / 2.0, frame.y1 + 34.0],
-        Anchor::Middle,
-        NAME,
-        &x_name,
-    );
+    page.text([(frame.x0 + frame.x1) / 2.0, frame.y1 + 34.0], Anchor::Middle, NAME, &x_name);
 
     for points in &constant {
         let points: Vec<P> = points.iter().map(|p| at(*p)).collect();
@@ -156,25 +116,15 @@ fn key(page: &mut Canvas, at: P, reading: f64) {
 }
 
 fn diamond(page: &mut Canvas, c: P) {
-    let ring = |r: f64| {
-        [
-            [c[0], c[1] - r],
-            [c[0] + r, c[1]],
-            [c[0], c[1] + r],
-            [c[0] - r, c[1]],
-        ]
-    };
+    let ring = |r: f64| [[c[0], c[1] - r], [c[0] + r, c[1]], [c[0], c[1] + r], [c[0] - r, c[1]]];
     page.polygon(&ring(4.6), SECOND);
     page.polygon(&ring(2.6), WHITE);
 }
 
 /// A line through the points where it can be read as a function: no value of the input twice.
 fn joined(page: &mut Canvas, points: &[P], pen: Pen) {
-    let mut sorted: Vec<P> = points
-        .iter()
-        .copied()
-        .filter(|p| p[0].is_finite() && p[1].is_finite())
-        .collect();
+    let mut sorted: Vec<P> =
+        points.iter().copied().filter(|p| p[0].is_finite() && p[1].is_finite()).collect();
     sorted.sort_by(|a, b| a[0].total_cmp(&b[0]));
     if sorted.windows(2).all(|w| w[1][0] - w[0][0] > 1e-6) {
         page.polyline(&sorted, pen);
@@ -188,8 +138,7 @@ fn series(
     value: impl Fn(usize, &hydrostat::verify::PointError) -> f64,
 ) -> Vec<P> {
     let rows = verification.rows.iter().enumerate().zip(xs);
-    rows.filter_map(|((i, row), x)| row.points.get(j).map(|p| [*x, value(i, p)]))
-        .collect()
+    rows.filter_map(|((i, row), x)| row.points.get(j).map(|p| [*x, value(i, p)])).collect()
 }
 
 /// Distance of the constant-curvature shape from an observed point, over the axes that were read.
@@ -199,34 +148,20 @@ fn constant_curvature_error(
     row: usize,
     j: usize,
 ) -> f64 {
-    let Some((row, point)) = verification
-        .rows
-        .get(row)
-        .and_then(|r| Some((r, r.points.get(j)?)))
-    else {
+    let Some((row, point)) = verification.rows.get(row).and_then(|r| Some((r, r.points.get(j)?))) else {
         return f64::NAN;
     };
-    let Some(p) = along(
-        &row.constant_curvature_shape,
-        point.at / experiment.robot.length(),
-    ) else {
+    let Some(p) = along(&row.constant_curvature_shape, point.at / experiment.robot.length()) else {
         return f64::NAN;
     };
     let axes = experiment.points.get(j).map_or(&[0, 1, 2][..], |p| &p.axes);
-    axes.iter()
-        .filter(|&&a| a < 3)
-        .map(|&a| (p[a] - point.observed[a]).powi(2))
-        .sum::<f64>()
-        .sqrt()
+    axes.iter().filter(|&&a| a < 3).map(|&a| (p[a] - point.observed[a]).powi(2)).sum::<f64>().sqrt()
 }
 
 /// Lowest and highest, apart from each other.
 fn range(xs: &[f64]) -> [f64; 2] {
     let finite = || xs.iter().copied().filter(|x| x.is_finite());
-    let (low, high) = (
-        finite().fold(f64::INFINITY, f64::min),
-        finite().fold(f64::NEG_INFINITY, f64::max),
-    );
+    let (low, high) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
     if low > high {
         [0.0, 1.0]
     } else if high - low <= 1e-9 * high.abs() {
@@ -253,16 +188,8 @@ pub(crate) fn residual_svg(
             }
         }
     }
-    let reading = 1e3
-        * experiment
-            .points
-            .iter()
-            .map(|p| p.reading_error)
-            .fold(0.0, f64::max);
-    let most = residuals
-        .iter()
-        .map(|(_, _, d)| d[0].abs().max(d[1].abs()))
-        .fold(1.3 * reading, f64::max);
+    let reading = 1e3 * experiment.points.iter().map(|p| p.reading_error).fold(0.0, f64::max);
+    let most = residuals.iter().map(|(_, _, d)| d[0].abs().max(d[1].abs())).fold(1.3 * reading, f64::max);
     let step = nice_step(if most > 0.0 { most / 3.2 } else { 0.2 });
     let reach = (most / step + 0.35).ceil().max(1.0) * step;
 
@@ -276,46 +203,26 @@ pub(crate) fn residual_svg(
     for t in ticks(-reach, reach, step) {
         let [x, y] = at([t, t]);
         grid.extend([([x, frame.y0], [x, frame.y1]), ([frame.x0, y], [frame.x1, y])]);
-        page.text(
-            [x, frame.y1 + 16.0],
-            Anchor::Middle,
-            SMALL,
-            &fixed(t, decimals(step)),
-        );
+        page.text([x, frame.y1 + 16.0], Anchor::Middle, SMALL, &fixed(t, decimals(step)));
         let up = t * plane.up_sign;
-        page.text(
-            [frame.x0 - 7.0, y + 4.0],
-            Anchor::End,
-            SMALL,
-            &fixed(up, decimals(step)),
-        );
+        page.text([frame.x0 - 7.0, y + 4.0], Anchor::End, SMALL, &fixed(up, decimals(step)));
     }
     page.hairlines(&grid, Pen::new(GRID, 1.0));
     if reading > 0.0 {
         page.circle(centre, reading * scale, BAND, None);
     }
-    let axes = [
-        ([frame.x0, centre[1]], [frame.x1, centre[1]]),
-        ([centre[0], frame.y0], [centre[0], frame.y1]),
-    ];
+    let axes =
+        [([frame.x0, centre[1]], [frame.x1, centre[1]]), ([centre[0], frame.y0], [centre[0], frame.y1])];
     page.hairlines(&axes, Pen::new(GRID_HEAVY, 1.0));
     page.rect(frame, "none", Some(Pen::new(GRID_HEAVY, 1.0)));
-    page.text(
-        [frame.x0, frame.y0 - 26.0],
-        Anchor::Start,
-        NAME,
-        "observed − predicted",
-    );
+    page.text([frame.x0, frame.y0 - 26.0], Anchor::Start, NAME, "observed − predicted");
     let upright = format!("{} in mm", AXES[plane.up]);
     page.text([frame.x0, frame.y0 - 9.0], Anchor::Start, SMALL, &upright);
     let level = format!("{} in mm", AXES[plane.right]);
     page.text([centre[0], frame.y1 + 34.0], Anchor::Middle, NAME, &level);
 
     // arrows from the prediction, which is the middle
-    let mut obstacles = Obstacles {
-        within: Some(frame),
-        ..Obstacles::default()
-    };
+    let mut obstacles = Obstacles { within: Some(frame), ..Obstacles::default() };
     let mut wanted = Vec::new();
     let every = residuals.len().div_ceil(LABELS).max(1);
     for (k, (i, _, d)) in residuals.iter().enumerate() {
@@ -327,12 +234,7 @@ pub(crate) fn residual_svg(
         if k % every == 0 {
             let prefer = [p[0] - centre[0], p[1] - centre[1] + 1e-6];
             let text = names.get(*i).cloned().unwrap_or_default();
-            wanted.push(Label {
-                at: p,
-                prefer,
-                text,
-                style: Type::new(10.5, INK),
-            });
+            wanted.push(Label { at: p, prefer, text, style: Type::new(10.5, INK) });
         }
     }
     labels::place(&mut page, &mut obstacles, &wanted);

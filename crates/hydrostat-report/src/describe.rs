@@ -15,11 +15,7 @@ pub(crate) fn profile(profile: &Profile) -> String {
     if profile.base == profile.tip {
         cross_section(&profile.base)
     } else {
-        format!(
-            "{} tapering to {}",
-            cross_section(&profile.base),
-            cross_section(&profile.tip)
-        )
+        format!("{} tapering to {}", cross_section(&profile.base), cross_section(&profile.tip))
     }
 }
 
@@ -27,10 +23,9 @@ fn cross_section(section: &CrossSection) -> String {
     let mm = |x: f64| short(1e3 * x, 3);
     match *section {
         CrossSection::Round { diameter } => format!("Ø {}", millimetres(diameter)),
-        CrossSection::Tube {
-            diameter,
-            inner_diameter,
-        } => format!("tube Ø {} / {} mm", mm(diameter), mm(inner_diameter)),
+        CrossSection::Tube { diameter, inner_diameter } => {
+            format!("tube Ø {} / {} mm", mm(diameter), mm(inner_diameter))
+        }
         CrossSection::Strip { width, height } => format!("strip {} × {} mm", mm(width), mm(height)),
     }
 }
@@ -38,21 +33,12 @@ fn cross_section(section: &CrossSection) -> String {
 /// What a check found, where it failed.
 pub(crate) fn failed_check(check: &Check) -> String {
     let (value, limit) = if check.name.contains("strain") {
-        (
-            format!("{} %", fixed(100.0 * check.value, 2)),
-            format!("{} %", short(100.0 * check.limit, 2)),
-        )
+        (format!("{} %", fixed(100.0 * check.value, 2)), format!("{} %", short(100.0 * check.limit, 2)))
     } else {
         (significant(check.value), significant(check.limit))
     };
-    let place = check
-        .at
-        .map(|s| format!(" at {} from the base", millimetres(s)))
-        .unwrap_or_default();
-    format!(
-        "Check failed: {} is {value}{place}, its limit {limit}.",
-        check.name
-    )
+    let place = check.at.map(|s| format!(" at {} from the base", millimetres(s))).unwrap_or_default();
+    format!("Check failed: {} is {value}{place}, its limit {limit}.", check.name)
 }
 
 /// A gravity or other acceleration with its direction.
@@ -103,10 +89,7 @@ fn robot_facts(robot: &Robot) -> Vec<Value> {
         ),
     ];
     for load in &robot.loads {
-        facts.push(fact(
-            load.name.as_deref().unwrap_or("load"),
-            load_text(&load.kind),
-        ));
+        facts.push(fact(load.name.as_deref().unwrap_or("load"), load_text(&load.kind)));
     }
     facts
 }
@@ -115,10 +98,7 @@ fn section_facts(section: &Section) -> Vec<Value> {
     let mut facts = vec![
         fact("length", millimetres(section.length)),
         fact("profile", profile(&section.profile)),
-        fact(
-            "shear coefficient",
-            significant(section.profile.shear_coefficient),
-        ),
+        fact("shear coefficient", significant(section.profile.shear_coefficient)),
         fact("material", section.material.name.as_str()),
     ];
     if section.rest_curvature.norm() > 0.0 {
@@ -128,10 +108,7 @@ fn section_facts(section: &Section) -> Vec<Value> {
         ));
     }
     if let Some(guides) = &section.guides {
-        facts.push(fact(
-            "guides",
-            format!("{}, {} each", guides.positions.len(), mass(guides.mass)),
-        ));
+        facts.push(fact("guides", format!("{}, {} each", guides.positions.len(), mass(guides.mass))));
     }
     facts
 }
@@ -141,14 +118,8 @@ fn material_facts(material: &Material) -> Vec<Value> {
     vec![
         fact("Young's modulus", prefixed(material.youngs_modulus, "Pa")),
         fact("shear modulus", prefixed(material.shear_modulus, "Pa")),
-        fact(
-            "density",
-            format!("{} g/cm³", significant(material.density / 1000.0)),
-        ),
-        fact(
-            "strain limit",
-            material.strain_limit.map_or("not given".to_owned(), limit),
-        ),
+        fact("density", format!("{} g/cm³", significant(material.density / 1000.0))),
+        fact("strain limit", material.strain_limit.map_or("not given".to_owned(), limit)),
     ]
 }
 
@@ -176,11 +147,7 @@ fn bench_facts(experiment: &Experiment) -> Vec<Value> {
                 )
             }
         };
-        let unit = if input.unit.0.is_empty() {
-            String::new()
-        } else {
-            format!(", in {}", input.unit.0)
-        };
+        let unit = if input.unit.0.is_empty() { String::new() } else { format!(", in {}", input.unit.0) };
         facts.push(fact(&format!("varied: {}", input.column), format!("{how}{unit}")));
     }
     for point in &experiment.points {
@@ -204,33 +171,18 @@ fn bench_facts(experiment: &Experiment) -> Vec<Value> {
 
 fn load_text(kind: &LoadKind) -> String {
     let frame = |frame: Frame| {
-        if frame == Frame::Body {
-            "body frame"
-        } else {
-            "world frame"
-        }
+        if frame == Frame::Body { "body frame" } else { "world frame" }
     };
     match kind {
         LoadKind::Mass { at, mass: kg } => format!("{} hung {} from the base", mass(*kg), millimetres(*at)),
-        LoadKind::Point {
-            at,
-            force,
-            moment,
-            frame: f,
-        } => format!(
+        LoadKind::Point { at, force, moment, frame: f } => format!(
             "force {} N, moment {} N m, {}, {} from the base",
             components(force),
             components(moment),
             frame(*f),
             millimetres(*at)
         ),
-        LoadKind::Distributed {
-            from,
-            to,
-            force_per_length,
-            moment_per_length,
-            frame: f,
-        } => format!(
+        LoadKind::Distributed { from, to, force_per_length, moment_per_length, frame: f } => format!(
             "force {} N/m, moment {} N, {}, from {} to {}",
             components(force_per_length),
             components(moment_per_length),
@@ -242,12 +194,7 @@ fn load_text(kind: &LoadKind) -> String {
 }
 
 fn components(v: &Vector3<f64>) -> String {
-    format!(
-        "({}, {}, {})",
-        significant(v.x),
-        significant(v.y),
-        significant(v.z)
-    )
+    format!("({}, {}, {})", significant(v.x), significant(v.y), significant(v.z))
 }
 
 fn position(v: &Vector3<f64>) -> String {

@@ -27,24 +27,15 @@ pub(crate) struct Rect {
 }
 
 impl Rect {
-    pub(crate) const EMPTY: Rect = Rect {
-        x0: f64::INFINITY,
-        y0: f64::INFINITY,
-        x1: f64::NEG_INFINITY,
-        y1: f64::NEG_INFINITY,
-    };
+    pub(crate) const EMPTY: Rect =
+        Rect { x0: f64::INFINITY, y0: f64::INFINITY, x1: f64::NEG_INFINITY, y1: f64::NEG_INFINITY };
 
     pub(crate) fn new(x0: f64, y0: f64, x1: f64, y1: f64) -> Rect {
         Rect { x0, y0, x1, y1 }
     }
 
     pub(crate) fn centred(c: P, width: f64, height: f64) -> Rect {
-        Rect::new(
-            c[0] - width / 2.0,
-            c[1] - height / 2.0,
-            c[0] + width / 2.0,
-            c[1] + height / 2.0,
-        )
+        Rect::new(c[0] - width / 2.0, c[1] - height / 2.0, c[0] + width / 2.0, c[1] + height / 2.0)
     }
 
     pub(crate) fn width(&self) -> f64 {
@@ -98,19 +89,11 @@ pub(crate) struct Pen {
 
 impl Pen {
     pub(crate) const fn new(colour: &'static str, width: f64) -> Pen {
-        Pen {
-            colour,
-            width,
-            dash: None,
-        }
+        Pen { colour, width, dash: None }
     }
 
     pub(crate) const fn dashed(colour: &'static str, width: f64, dash: &'static str) -> Pen {
-        Pen {
-            colour,
-            width,
-            dash: Some(dash),
-        }
+        Pen { colour, width, dash: Some(dash) }
     }
 }
 
@@ -124,19 +107,11 @@ pub(crate) struct Type {
 
 impl Type {
     pub(crate) const fn new(size: f64, colour: &'static str) -> Type {
-        Type {
-            size,
-            bold: false,
-            colour,
-        }
+        Type { size, bold: false, colour }
     }
 
     pub(crate) const fn bold(size: f64, colour: &'static str) -> Type {
-        Type {
-            size,
-            bold: true,
-            colour,
-        }
+        Type { size, bold: true, colour }
     }
 
     /// Room the text needs, with a reserve for fonts wider than the one measured.
@@ -166,11 +141,7 @@ pub(crate) struct Canvas {
 
 impl Canvas {
     pub(crate) fn new() -> Canvas {
-        Canvas {
-            body: String::new(),
-            bounds: Rect::EMPTY,
-            segments: Vec::new(),
-        }
+        Canvas { body: String::new(), bounds: Rect::EMPTY, segments: Vec::new() }
     }
 
     pub(crate) fn line(&mut self, a: P, b: P, pen: Pen) {
@@ -224,10 +195,7 @@ impl Canvas {
         if finite(&c) && r.is_finite() {
             self.cover(c, r + 1.0);
             let (x, y, r, pen) = (px(c[0]), px(c[1]), px(r), stroke(pen));
-            let _ = writeln!(
-                self.body,
-                r#"<circle cx="{x}" cy="{y}" r="{r}" fill="{fill}"{pen}/>"#
-            );
+            let _ = writeln!(self.body, r#"<circle cx="{x}" cy="{y}" r="{r}" fill="{fill}"{pen}/>"#);
         }
     }
 
@@ -254,12 +222,7 @@ impl Canvas {
             Anchor::Middle => (p[0] - width / 2.0, "middle"),
             Anchor::End => (p[0] - width, "end"),
         };
-        self.bounds.unite(Rect::new(
-            x0,
-            p[1] - style.size,
-            x0 + width,
-            p[1] + 0.25 * style.size,
-        ));
+        self.bounds.unite(Rect::new(x0, p[1] - style.size, x0 + width, p[1] + 0.25 * style.size));
         let weight = if style.bold { r#" font-weight="500""# } else { "" };
         let _ = writeln!(
             self.body,
@@ -285,14 +248,7 @@ impl Canvas {
         self.line(from, neck, pen);
         let (bx, by) = (to[0] - head * ux, to[1] - head * uy);
         let half = 0.38 * head;
-        self.polygon(
-            &[
-                to,
-                [bx - half * uy, by + half * ux],
-                [bx + half * uy, by - half * ux],
-            ],
-            pen.colour,
-        );
+        self.polygon(&[to, [bx - half * uy, by + half * ux], [bx + half * uy, by - half * ux]], pen.colour);
         self.segments.push((neck, to));
     }
 
@@ -315,17 +271,11 @@ impl Canvas {
 
     /// Adds another canvas, moved.
     pub(crate) fn place(&mut self, other: &Canvas, by: P) {
-        let _ = writeln!(
-            self.body,
-            r#"<g transform="translate({} {})">"#,
-            px(by[0]),
-            px(by[1])
-        );
+        let _ = writeln!(self.body, r#"<g transform="translate({} {})">"#, px(by[0]), px(by[1]));
         self.body.push_str(&other.body);
         self.body.push_str("</g>\n");
         let b = other.bounds;
-        self.bounds
-            .unite(Rect::new(b.x0 + by[0], b.y0 + by[1], b.x1 + by[0], b.y1 + by[1]));
+        self.bounds.unite(Rect::new(b.x0 + by[0], b.y0 + by[1], b.x1 + by[0], b.y1 + by[1]));
     }
 
     /// The whole document; `title` is for those who cannot see it.
@@ -356,15 +306,8 @@ fn finite(p: &P) -> bool {
 
 fn stroke(pen: Option<Pen>) -> String {
     let Some(pen) = pen else { return String::new() };
-    let dash = pen
-        .dash
-        .map(|d| format!(r#" stroke-dasharray="{d}""#))
-        .unwrap_or_default();
-    format!(
-        r#" stroke="{}" stroke-width="{}"{dash}"#,
-        pen.colour,
-        px(pen.width)
-    )
+    let dash = pen.dash.map(|d| format!(r#" stroke-dasharray="{d}""#)).unwrap_or_default();
+    format!(r#" stroke="{}" stroke-width="{}"{dash}"#, pen.colour, px(pen.width))
 }
 
 /// A coordinate with two decimals at most.

@@ -21,9 +21,8 @@ pub(crate) struct Obstacles {
     pub(crate) within: Option<Rect>,
 }
 
-const DISTANCES: [f64; 14] = [
-    7.0, 11.0, 16.0, 23.0, 32.0, 43.0, 56.0, 72.0, 92.0, 120.0, 155.0, 200.0, 270.0, 380.0,
-];
+const DISTANCES: [f64; 14] =
+    [7.0, 11.0, 16.0, 23.0, 32.0, 43.0, 56.0, 72.0, 92.0, 120.0, 155.0, 200.0, 270.0, 380.0];
 const DIRECTIONS: usize = 24;
 
 /// Sets each label where there is room, with a thin leader where it stands far from its point.
@@ -34,29 +33,19 @@ pub(crate) fn place(canvas: &mut Canvas, obstacles: &mut Obstacles, labels: &[La
             continue;
         }
         let spot = best_spot(obstacles, label, width, height);
-        let edge = [
-            label.at[0].clamp(spot.x0, spot.x1),
-            label.at[1].clamp(spot.y0, spot.y1),
-        ];
+        let edge = [label.at[0].clamp(spot.x0, spot.x1), label.at[1].clamp(spot.y0, spot.y1)];
         let gap = (edge[0] - label.at[0]).hypot(edge[1] - label.at[1]);
         if gap > 17.0 {
             // from beside the point's own mark
             let t = 7.0 / gap;
-            let start = [
-                label.at[0] + t * (edge[0] - label.at[0]),
-                label.at[1] + t * (edge[1] - label.at[1]),
-            ];
+            let start =
+                [label.at[0] + t * (edge[0] - label.at[0]), label.at[1] + t * (edge[1] - label.at[1])];
             canvas.line(start, edge, Pen::new(label.style.colour, 0.6));
             obstacles.lines.push((label.at, edge));
         }
         canvas.rect(spot, WHITE, None);
         let baseline = spot.y0 + 0.5 * height + 0.36 * label.style.size;
-        canvas.text(
-            [(spot.x0 + spot.x1) / 2.0, baseline],
-            Anchor::Middle,
-            label.style,
-            &label.text,
-        );
+        canvas.text([(spot.x0 + spot.x1) / 2.0, baseline], Anchor::Middle, label.style, &label.text);
         obstacles.boxes.push(spot);
     }
 }
@@ -71,11 +60,7 @@ fn best_spot(obstacles: &Obstacles, label: &Label, width: f64, height: f64) -> R
             let (sin, cos) = (preferred + turn * TAU / DIRECTIONS as f64).sin_cos();
             // the distance is from the point to the box's edge along that direction
             let reach = distance + (width / 2.0 * cos.abs()).hypot(height / 2.0 * sin.abs());
-            let spot = Rect::centred(
-                [label.at[0] + reach * cos, label.at[1] + reach * sin],
-                width,
-                height,
-            );
+            let spot = Rect::centred([label.at[0] + reach * cos, label.at[1] + reach * sin], width, height);
             if obstacles.boxes.iter().any(|b| b.grown(1.5).overlaps(&spot)) {
                 continue;
             }
@@ -86,15 +71,8 @@ fn best_spot(obstacles: &Obstacles, label: &Label, width: f64, height: f64) -> R
             if best.as_ref().is_some_and(|(cost, _)| base_cost >= *cost) {
                 continue;
             }
-            let crossed = obstacles
-                .lines
-                .iter()
-                .filter(|(a, b)| crosses(*a, *b, &spot))
-                .count();
-            let edge = [
-                label.at[0].clamp(spot.x0, spot.x1),
-                label.at[1].clamp(spot.y0, spot.y1),
-            ];
+            let crossed = obstacles.lines.iter().filter(|(a, b)| crosses(*a, *b, &spot)).count();
+            let edge = [label.at[0].clamp(spot.x0, spot.x1), label.at[1].clamp(spot.y0, spot.y1)];
             let hidden = obstacles.boxes.iter().any(|b| crosses(label.at, edge, b));
             let cost = base_cost + 45.0 * (crossed as f64).sqrt() + if hidden { 120.0 } else { 0.0 };
             if best.as_ref().is_none_or(|(c, _)| cost < *c) {

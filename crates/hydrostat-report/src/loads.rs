@@ -43,10 +43,7 @@ impl Shape<'_> {
         }
         let (a, b) = (&stations[i - 1], &stations[i]);
         let t = (s - a.s) / (b.s - a.s);
-        Some((
-            a.position.lerp(&b.position, t),
-            if t < 0.5 { a.rotation } else { b.rotation },
-        ))
+        Some((a.position.lerp(&b.position, t), if t < 0.5 { a.rotation } else { b.rotation }))
     }
 
     /// Unit tangent on the page; None where the backbone points at the viewer.
@@ -70,31 +67,13 @@ pub(crate) fn draw(canvas: &mut Canvas, labels: &mut Vec<Label>, robot: &Robot, 
             LoadKind::Mass { at, mass: kg } => {
                 let Some((p, _)) = shape.at(at) else { continue };
                 let text = named(mass(kg));
-                force(
-                    canvas,
-                    labels,
-                    shape.on_page(view, &p),
-                    view,
-                    &robot.gravity,
-                    at,
-                    &mut drawn,
-                    text,
-                );
+                force(canvas, labels, shape.on_page(view, &p), view, &robot.gravity, at, &mut drawn, text);
             }
-            LoadKind::Point {
-                at,
-                force: f,
-                moment,
-                frame,
-            } => {
+            LoadKind::Point { at, force: f, moment, frame } => {
                 let Some((p, rotation)) = shape.at(at) else {
                     continue;
                 };
-                let turn = if frame == Frame::Body {
-                    rotation
-                } else {
-                    Matrix3::identity()
-                };
+                let turn = if frame == Frame::Body { rotation } else { Matrix3::identity() };
                 let p = shape.on_page(view, &p);
                 if f.norm() > 0.0 {
                     let text = named(prefixed(f.norm(), "N"));
@@ -106,29 +85,14 @@ pub(crate) fn draw(canvas: &mut Canvas, labels: &mut Vec<Label>, robot: &Robot, 
                     labels.push(label(end, [end[0] - p[0], end[1] - p[1]], text));
                 }
             }
-            LoadKind::Distributed {
-                from,
-                to,
-                force_per_length: f,
-                moment_per_length: m,
-                frame,
-            } => {
+            LoadKind::Distributed { from, to, force_per_length: f, moment_per_length: m, frame } => {
                 let text = [(f.norm(), "N/m"), (m.norm(), "N")]
                     .iter()
                     .filter(|(value, _)| *value > 0.0)
                     .map(|(value, unit)| prefixed(*value, unit))
                     .collect::<Vec<_>>()
                     .join(", ");
-                row(
-                    canvas,
-                    labels,
-                    shape,
-                    view,
-                    [from, to],
-                    [&f, &m],
-                    frame,
-                    named(text),
-                );
+                row(canvas, labels, shape, view, [from, to], [&f, &m], frame, named(text));
             }
         }
     }
@@ -153,10 +117,7 @@ fn force(
     }
     let direction = f / norm;
     // forces along the same line stand one behind the other
-    let before = drawn
-        .iter()
-        .filter(|(s, d)| (s - at).abs() < 1e-9 && d.dot(&direction) > 0.99)
-        .count();
+    let before = drawn.iter().filter(|(s, d)| (s - at).abs() < 1e-9 && d.dot(&direction) > 0.99).count();
     drawn.push((at, direction));
     let d = view.project(&direction);
     let across = d[0].hypot(d[1]);
@@ -183,11 +144,7 @@ fn arc(canvas: &mut Canvas, c: P, view: &View, moment: &Vector3<f64>, radius: f6
     let toward = -axis.dot(&view.away());
     let across = m[0].hypot(m[1]);
     // the half axis along which the circle is foreshortened, and the one at right angles to it
-    let thin = if across > 1e-9 {
-        [m[0] / across, -m[1] / across]
-    } else {
-        [0.0, -1.0]
-    };
+    let thin = if across > 1e-9 { [m[0] / across, -m[1] / across] } else { [0.0, -1.0] };
     let wide = [-thin[1], thin[0]];
     let squeeze = toward.abs().max(0.3) * if toward < -1e-9 { -1.0 } else { 1.0 };
     let a = [radius * wide[0], radius * wide[1]];
@@ -197,12 +154,7 @@ fn arc(canvas: &mut Canvas, c: P, view: &View, moment: &Vector3<f64>, radius: f6
     let points = Canvas::ellipse(c, a, b, -0.125 * TAU, 0.6 * TAU);
     let n = points.len();
     canvas.polyline(&points[..n - 2], pen);
-    canvas.arrow(
-        points[n - 4],
-        points[n - 1],
-        pen,
-        if radius > 10.0 { 9.0 } else { 5.0 },
-    );
+    canvas.arrow(points[n - 4], points[n - 1], pen, if radius > 10.0 { 9.0 } else { 5.0 });
     points[n / 2]
 }
 
@@ -227,11 +179,7 @@ fn row(
     for i in 0..=count {
         let s = from + (to - from) * i as f64 / count as f64;
         let Some((p, rotation)) = shape.at(s) else { return };
-        let turn = if frame == Frame::Body {
-            rotation
-        } else {
-            Matrix3::identity()
-        };
+        let turn = if frame == Frame::Body { rotation } else { Matrix3::identity() };
         let p = shape.on_page(view, &p);
         if force.norm() > 0.0 {
             let d = view.project(&(turn * force / force.norm()));
@@ -254,19 +202,12 @@ fn row(
     canvas.polyline(&tails, Pen::new(SECOND, 0.6));
     tails.append(&mut ends);
     if let Some(&middle) = tails.get(tails.len() / 2) {
-        let (p, _) = shape
-            .at(0.5 * (from + to))
-            .unwrap_or((shape.base, Matrix3::identity()));
+        let (p, _) = shape.at(0.5 * (from + to)).unwrap_or((shape.base, Matrix3::identity()));
         let p = shape.on_page(view, &p);
         labels.push(label(middle, [middle[0] - p[0], middle[1] - p[1] + 1e-3], text));
     }
 }
 
 fn label(at: P, prefer: P, text: String) -> Label {
-    Label {
-        at,
-        prefer,
-        text,
-        style: Type::bold(12.5, SECOND),
-    }
+    Label { at, prefer, text, style: Type::bold(12.5, SECOND) }
 }

@@ -50,47 +50,27 @@ pub(crate) fn planes(experiment: &Experiment, verification: &Verification) -> Ve
     let length = experiment.robot.length();
     let shown: Vec<usize> = (0..3).filter(|&i| read(i) || extent[i] > 0.02 * length).collect();
     // the measured axis nearest to gravity stands upright
-    let up = (0..3)
-        .max_by(|&i, &j| rank(&shown, &gravity, i).total_cmp(&rank(&shown, &gravity, j)))
-        .unwrap_or(1);
-    let up_sign = if gravity[up] > 0.7 * gravity.norm() && gravity.norm() > 0.0 {
-        -1.0
-    } else {
-        1.0
-    };
+    let up =
+        (0..3).max_by(|&i, &j| rank(&shown, &gravity, i).total_cmp(&rank(&shown, &gravity, j))).unwrap_or(1);
+    let up_sign = if gravity[up] > 0.7 * gravity.norm() && gravity.norm() > 0.0 { -1.0 } else { 1.0 };
     let mut across: Vec<usize> = shown.into_iter().filter(|&i| i != up).collect();
     if across.is_empty() {
         across.push((up + 1) % 3);
     }
-    across
-        .into_iter()
-        .map(|right| Plane { right, up, up_sign })
-        .collect()
+    across.into_iter().map(|right| Plane { right, up, up_sign }).collect()
 }
 
 /// How suitable an axis is to stand upright: along gravity, else the last of those shown.
 fn rank(shown: &[usize], gravity: &Vector3<f64>, axis: usize) -> f64 {
-    let known = if shown.contains(&axis) || shown.is_empty() {
-        10.0
-    } else {
-        0.0
-    };
-    let along = if gravity.norm() > 0.0 {
-        (gravity[axis] / gravity.norm()).abs()
-    } else {
-        0.0
-    };
+    let known = if shown.contains(&axis) || shown.is_empty() { 10.0 } else { 0.0 };
+    let along = if gravity.norm() > 0.0 { (gravity[axis] / gravity.norm()).abs() } else { 0.0 };
     known + if along > 0.3 { along } else { 0.01 * axis as f64 }
 }
 
 /// The point of a shape at an arc length; shapes are evenly spaced.
 pub(crate) fn along(shape: &[Vector3<f64>], fraction: f64) -> Option<Vector3<f64>> {
     let last = shape.len().checked_sub(1)?;
-    let x = if fraction.is_finite() {
-        fraction.clamp(0.0, 1.0) * last as f64
-    } else {
-        last as f64
-    };
+    let x = if fraction.is_finite() { fraction.clamp(0.0, 1.0) * last as f64 } else { last as f64 };
     let i = (x.floor() as usize).min(last);
     let next = shape.get(i + 1).unwrap_or(&shape[i]);
     Some(shape[i].lerp(next, x - i as f64))
@@ -104,13 +84,7 @@ pub(crate) fn observed(
     point: &PointError,
 ) -> Vector3<f64> {
     let mut p = along(&row.shape, point.at / experiment.robot.length()).unwrap_or(point.predicted);
-    for &axis in experiment
-        .points
-        .get(j)
-        .map_or(&[0, 1, 2][..], |p| &p.axes)
-        .iter()
-        .filter(|&&a| a < 3)
-    {
+    for &axis in experiment.points.get(j).map_or(&[0, 1, 2][..], |p| &p.axes).iter().filter(|&&a| a < 3) {
         p[axis] = point.observed[axis];
     }
     p
@@ -127,29 +101,15 @@ pub(crate) fn shapes_svg(
     let mut extent = Rect::EMPTY;
     extent.include([0.0, 0.0]);
     for row in &verification.rows {
-        let points = row
-            .points
-            .iter()
-            .enumerate()
-            .map(|(j, p)| observed(experiment, row, j, p));
-        for p in row
-            .shape
-            .iter()
-            .chain(&row.constant_curvature_shape)
-            .copied()
-            .chain(points)
-        {
+        let points = row.points.iter().enumerate().map(|(j, p)| observed(experiment, row, j, p));
+        for p in row.shape.iter().chain(&row.constant_curvature_shape).copied().chain(points) {
             extent.include(plane.on_page(&p, 1.0));
         }
     }
     let length = experiment.robot.length();
     let extent = extent.at_least(0.25 * length, 0.2 * length);
     let scale = (ROOM[0] / extent.width()).min(ROOM[1] / extent.height());
-    let scale = if scale.is_finite() && scale > 0.0 {
-        scale
-    } else {
-        1000.0
-    };
+    let scale = if scale.is_finite() && scale > 0.0 { scale } else { 1000.0 };
 
     // the drawing, in px from the bench's origin
     let mut scene = Canvas::new();
@@ -173,12 +133,7 @@ pub(crate) fn shapes_svg(
                     .unwrap_or(c);
                 let text = names.get(i).cloned().unwrap_or_default();
                 let prefer = [c[0] - before[0], c[1] - before[1] + 1e-6];
-                wanted.push(Label {
-                    at: c,
-                    prefer,
-                    text,
-                    style: Type::new(11.0, INK),
-                });
+                wanted.push(Label { at: c, prefer, text, style: Type::new(11.0, INK) });
             }
         }
     }
@@ -186,11 +141,7 @@ pub(crate) fn shapes_svg(
     labels::place(&mut scene, &mut obstacles, &wanted);
 
     // the paper: whole heavy squares around the drawing
-    let fine = if scale * 1e-3 >= 1.2 {
-        1e-3
-    } else {
-        nice_step(1.2 / scale)
-    };
+    let fine = if scale * 1e-3 >= 1.2 { 1e-3 } else { nice_step(1.2 / scale) };
     let fine = if scale * 1e-3 > 40.0 { 1e-4 } else { fine };
     let heavy = 10.0 * fine;
     let square = heavy * scale;
@@ -208,22 +159,17 @@ pub(crate) fn shapes_svg(
     paper(&mut page, frame, origin, square, Pen::new(MEDIUM, 0.8));
     numbers(&mut page, plane, frame, origin, scale, heavy);
     page.place(&scene, origin);
-    let title = format!(
-        "Predicted shapes and observed points, {} and {}",
-        AXES[plane.right], AXES[plane.up]
-    );
+    let title = format!("Predicted shapes and observed points, {} and {}", AXES[plane.right], AXES[plane.up]);
     page.finish(left + frame.width() + 16.0, top + frame.height() + 40.0, &title)
 }
 
 fn paper(page: &mut Canvas, frame: Rect, origin: P, step: f64, pen: Pen) {
     let (x0, x1) = (frame.x0 + origin[0], frame.x1 + origin[0]);
     let (y0, y1) = (frame.y0 + origin[1], frame.y1 + origin[1]);
-    let upright = ticks(frame.x0, frame.x1, step)
-        .into_iter()
-        .map(|x| ([x + origin[0], y0], [x + origin[0], y1]));
-    let level = ticks(frame.y0, frame.y1, step)
-        .into_iter()
-        .map(|y| ([x0, y + origin[1]], [x1, y + origin[1]]));
+    let upright =
+        ticks(frame.x0, frame.x1, step).into_iter().map(|x| ([x + origin[0], y0], [x + origin[0], y1]));
+    let level =
+        ticks(frame.y0, frame.y1, step).into_iter().map(|y| ([x0, y + origin[1]], [x1, y + origin[1]]));
     page.hairlines(&upright.chain(level).collect::<Vec<_>>(), pen);
 }
 
@@ -242,24 +188,9 @@ fn numbers(page: &mut Canvas, plane: Plane, frame: Rect, origin: P, scale: f64, 
     for up in ticks(-frame.y1 / scale, -frame.y0 / scale, step) {
         let py = origin[1] - up * scale;
         page.line([x0 - 4.0, py], [x0, py], Pen::new(MUTED, 1.0));
-        page.text(
-            [x0 - 7.0, py + 4.0],
-            Anchor::End,
-            SMALL,
-            &fixed(1e3 * up * plane.up_sign, digits),
-        );
+        page.text([x0 - 7.0, py + 4.0], Anchor::End, SMALL, &fixed(1e3 * up * plane.up_sign, digits));
     }
     let name = Type::new(12.0, INK);
-    page.text(
-        [(x0 + x1) / 2.0, y1 + 33.0],
-        Anchor::Middle,
-        name,
-        &format!("{} in mm", AXES[plane.right]),
-    );
-    page.text(
-        [x0, y0 - 9.0],
-        Anchor::Start,
-        name,
-        &format!("{} in mm", AXES[plane.up]),
-    );
+    page.text([(x0 + x1) / 2.0, y1 + 33.0], Anchor::Middle, name, &format!("{} in mm", AXES[plane.right]));
+    page.text([x0, y0 - 9.0], Anchor::Start, name, &format!("{} in mm", AXES[plane.up]));
 }

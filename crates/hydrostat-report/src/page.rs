@@ -34,10 +34,8 @@ pub fn verification_page(
     let names = row_names(experiment, verification);
     let planes = planes(experiment, verification);
     let svg = |s: String| Value::from_safe_string(s);
-    let drawings: Vec<Value> = planes
-        .iter()
-        .map(|&p| svg(shapes_svg(experiment, verification, p, &names)))
-        .collect();
+    let drawings: Vec<Value> =
+        planes.iter().map(|&p| svg(shapes_svg(experiment, verification, p, &names))).collect();
     let read = |axis| experiment.points.iter().any(|p| p.axes.contains(&axis));
     let residuals: Vec<Value> = planes
         .iter()
@@ -47,16 +45,11 @@ pub fn verification_page(
 
     let several_points = experiment.points.len() > 1;
     let axes: Vec<usize> = (0..3).filter(|&a| read(a)).collect();
-    let input_heads: Vec<String> = experiment
-        .inputs
-        .iter()
-        .map(|i| with_unit(&i.column, &i.unit.0))
-        .collect();
+    let input_heads: Vec<String> =
+        experiment.inputs.iter().map(|i| with_unit(&i.column, &i.unit.0)).collect();
     let published = experiment.published.iter().flat_map(|p| &p.mean_errors);
-    let published = published
-        .map(|(what, m)| format!("{what} {}", millimetres(*m)))
-        .collect::<Vec<_>>()
-        .join("; ");
+    let published =
+        published.map(|(what, m)| format!("{what} {}", millimetres(*m))).collect::<Vec<_>>().join("; ");
     let page = context! {
         title => if experiment.name.trim().is_empty() { "Experiment without a name" } else { &experiment.name },
         source => experiment.source.clone(),
@@ -84,21 +77,14 @@ pub fn verification_page(
 }
 
 fn with_unit(name: &str, unit: &str) -> String {
-    if unit.is_empty() {
-        name.to_owned()
-    } else {
-        format!("{name} [{unit}]")
-    }
+    if unit.is_empty() { name.to_owned() } else { format!("{name} [{unit}]") }
 }
 
 fn headline(model: &Summary) -> Vec<Value> {
     let number = |name: &str, value: String| context! { name, value };
     vec![
         number("mean error", format!("{} mm", error_mm(model.mean))),
-        number(
-            "of the length",
-            format!("{} %", fixed(100.0 * model.mean_fraction, 2)),
-        ),
+        number("of the length", format!("{} %", fixed(100.0 * model.mean_fraction, 2))),
         number("RMS error", format!("{} mm", error_mm(model.rms))),
         number("largest error", format!("{} mm", error_mm(model.max))),
         number("times the reading error", fixed(model.in_reading_errors, 1)),
@@ -116,18 +102,11 @@ fn rows(experiment: &Experiment, verification: &Verification, axes: &[usize]) ->
         .map(|k| {
             let size = experiment.inputs[k].unit.1;
             decimals_of(
-                verification
-                    .rows
-                    .iter()
-                    .map(move |r| r.inputs.get(k).copied().unwrap_or(f64::NAN) / size),
+                verification.rows.iter().map(move |r| r.inputs.get(k).copied().unwrap_or(f64::NAN) / size),
             )
         })
         .collect();
-    let finest = experiment
-        .points
-        .iter()
-        .map(|p| p.reading_error)
-        .fold(f64::INFINITY, f64::min);
+    let finest = experiment.points.iter().map(|p| p.reading_error).fold(f64::INFINITY, f64::min);
     let digits = if finest < 5e-5 {
         3
     } else if finest < 2e-4 {
@@ -140,9 +119,7 @@ fn rows(experiment: &Experiment, verification: &Verification, axes: &[usize]) ->
     for (i, row) in verification.rows.iter().enumerate() {
         for (j, point) in row.points.iter().enumerate() {
             let inputs = row.inputs.iter().zip(&experiment.inputs).zip(&input_digits);
-            let mut cells: Vec<String> = inputs
-                .map(|((x, input), d)| fixed(x / input.unit.1, *d))
-                .collect();
+            let mut cells: Vec<String> = inputs.map(|((x, input), d)| fixed(x / input.unit.1, *d)).collect();
             if experiment.inputs.is_empty() {
                 cells.push((i + 1).to_string());
             }
@@ -155,11 +132,7 @@ fn rows(experiment: &Experiment, verification: &Verification, axes: &[usize]) ->
             let read = |a: usize| experiment.points.get(j).is_none_or(|p| p.axes.contains(&a));
             for position in [&point.predicted, &point.observed] {
                 let cell = |&a: &usize| {
-                    if read(a) {
-                        fixed(1e3 * position[a], digits)
-                    } else {
-                        "–".to_owned()
-                    }
+                    if read(a) { fixed(1e3 * position[a], digits) } else { "–".to_owned() }
                 };
                 cells.extend(axes.iter().map(cell));
             }
@@ -185,17 +158,9 @@ fn summaries(verification: &Verification) -> Vec<Value> {
     let mut lines = vec![
         line("this robot, Cosserat rod", &verification.model),
         line("constant curvature", &verification.constant_curvature),
-        line(
-            "constant curvature, weight ignored",
-            &verification.constant_curvature_weightless,
-        ),
+        line("constant curvature, weight ignored", &verification.constant_curvature_weightless),
     ];
-    lines.extend(
-        verification
-            .variants
-            .iter()
-            .map(|(name, s)| line(&format!("variant: {name}"), s)),
-    );
+    lines.extend(verification.variants.iter().map(|(name, s)| line(&format!("variant: {name}"), s)));
     lines
 }
 

@@ -33,19 +33,14 @@ pub fn svg_to_png(svg: &str, scale: f32) -> Result<Vec<u8>> {
         roxmltree::Document::parse(svg).map_err(|e| PngError(format!("the drawing is not XML: {e}")))?;
     let root = document.root_element();
     if root.tag_name().name() != "svg" {
-        return Err(PngError(format!(
-            "the root is <{}>, not <svg>",
-            root.tag_name().name()
-        )));
+        return Err(PngError(format!("the root is <{}>, not <svg>", root.tag_name().name())));
     }
     let side = |name| -> Result<u32> {
         let px = f64::from(number(&root, name)?) * f64::from(scale);
         if px >= 1.0 && px <= LARGEST_SIDE {
             Ok(px.round() as u32)
         } else {
-            Err(PngError(format!(
-                "a {name} of {px} pixels; choose a scale that gives 1 to {LARGEST_SIDE}"
-            )))
+            Err(PngError(format!("a {name} of {px} pixels; choose a scale that gives 1 to {LARGEST_SIDE}")))
         }
     };
     let mut pixmap = Pixmap::new(side("width")?, side("height")?)
@@ -89,9 +84,7 @@ fn children(parent: &Node, pixmap: &mut Pixmap, fonts: &[Face; 2], transform: Tr
             }
             "text" => text(&node, pixmap, fonts, transform)?,
             other => {
-                return Err(PngError(format!(
-                    "element <{other}> is not one that Hydrostat draws"
-                )));
+                return Err(PngError(format!("element <{other}> is not one that Hydrostat draws")));
             }
         }
     }
@@ -124,16 +117,10 @@ fn colour(node: &Node, name: &str) -> Result<Option<Paint<'static>>> {
     let Some(value) = node.attribute(name).filter(|v| *v != "none") else {
         return Ok(None);
     };
-    let rgb = value
-        .strip_prefix('#')
-        .filter(|h| h.len() == 6)
-        .and_then(|h| u32::from_str_radix(h, 16).ok());
+    let rgb = value.strip_prefix('#').filter(|h| h.len() == 6).and_then(|h| u32::from_str_radix(h, 16).ok());
     let rgb = rgb.ok_or_else(|| PngError(format!("colour {value:?}")))?;
     let [_, r, g, b] = rgb.to_be_bytes();
-    let mut paint = Paint {
-        anti_alias: true,
-        ..Paint::default()
-    };
+    let mut paint = Paint { anti_alias: true, ..Paint::default() };
     paint.set_color(Color::from_rgba8(r, g, b, 255));
     Ok(Some(paint))
 }
@@ -144,15 +131,9 @@ fn path(d: &str) -> Result<Option<Path>> {
     let mut rest = d.trim();
     while let Some(command) = rest.chars().next() {
         let after = &rest[command.len_utf8()..];
-        let end = after
-            .find(|c: char| c.is_ascii_alphabetic() && c != 'e')
-            .unwrap_or(after.len());
+        let end = after.find(|c: char| c.is_ascii_alphabetic() && c != 'e').unwrap_or(after.len());
         let mut numbers = after[..end].split_whitespace().map(parse);
-        let mut next = || {
-            numbers
-                .next()
-                .unwrap_or_else(|| Err(PngError(format!("path {d:?} ends early"))))
-        };
+        let mut next = || numbers.next().unwrap_or_else(|| Err(PngError(format!("path {d:?} ends early"))));
         match command {
             'M' => builder.move_to(next()?, next()?),
             'L' => builder.line_to(next()?, next()?),
@@ -165,19 +146,13 @@ fn path(d: &str) -> Result<Option<Path>> {
 }
 
 fn text(node: &Node, pixmap: &mut Pixmap, fonts: &[Face; 2], transform: Transform) -> Result<()> {
-    let string: String = node
-        .descendants()
-        .filter(roxmltree::Node::is_text)
-        .filter_map(|n| n.text())
-        .collect();
+    let string: String =
+        node.descendants().filter(roxmltree::Node::is_text).filter_map(|n| n.text()).collect();
     let face = &fonts[usize::from(node.has_attribute("font-weight"))];
     let size = number(node, "font-size")? / f32::from(face.units_per_em());
 
     // glyphs along the baseline; a sign the font lacks becomes its empty box
-    let mut outline = Glyphs {
-        builder: PathBuilder::new(),
-        x: 0.0,
-    };
+    let mut outline = Glyphs { builder: PathBuilder::new(), x: 0.0 };
     for c in string.chars() {
         let glyph = face.glyph_index(c).unwrap_or_default();
         let _ = face.outline_glyph(glyph, &mut outline);
@@ -191,12 +166,7 @@ fn text(node: &Node, pixmap: &mut Pixmap, fonts: &[Face; 2], transform: Transfor
     };
     let (x, y) = (number(node, "x")? - shift, number(node, "y")?);
     if let Some(path) = outline.builder.finish() {
-        paint(
-            node,
-            pixmap,
-            &path,
-            transform.pre_translate(x, y).pre_scale(size, -size),
-        )?;
+        paint(node, pixmap, &path, transform.pre_translate(x, y).pre_scale(size, -size))?;
     }
     Ok(())
 }
@@ -221,8 +191,7 @@ impl OutlineBuilder for Glyphs {
     }
 
     fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
-        self.builder
-            .cubic_to(self.x + x1, y1, self.x + x2, y2, self.x + x, y);
+        self.builder.cubic_to(self.x + x1, y1, self.x + x2, y2, self.x + x, y);
     }
 
     fn close(&mut self) {
@@ -245,8 +214,5 @@ fn number(node: &Node, name: &str) -> Result<f32> {
 }
 
 fn parse(s: &str) -> Result<f32> {
-    s.parse::<f32>()
-        .ok()
-        .filter(|x| x.is_finite())
-        .ok_or_else(|| PngError(format!("{s:?} is not a number")))
+    s.parse::<f32>().ok().filter(|x| x.is_finite()).ok_or_else(|| PngError(format!("{s:?} is not a number")))
 }

@@ -27,22 +27,12 @@ pub fn shape_svg(robot: &Robot, equilibrium: &Equilibrium) -> String {
     // what is seen, in px from the base
     let views = side_and_front(robot, equilibrium);
     let scale = scale(robot, equilibrium, &views);
-    let shape = Shape {
-        equilibrium,
-        base: robot.base.position,
-        scale,
-    };
-    let scenes = [
-        scene(robot, &shape, &views[0], true),
-        scene(robot, &shape, &views[1], false),
-    ];
+    let shape = Shape { equilibrium, base: robot.base.position, scale };
+    let scenes = [scene(robot, &shape, &views[0], true), scene(robot, &shape, &views[1], false)];
 
     // panels of one height
-    let mut frames = scenes.each_ref().map(|s| {
-        s.bounds
-            .grown(16.0)
-            .at_least(SMALLEST_PANEL[0], SMALLEST_PANEL[1])
-    });
+    let mut frames =
+        scenes.each_ref().map(|s| s.bounds.grown(16.0).at_least(SMALLEST_PANEL[0], SMALLEST_PANEL[1]));
     let (top, bottom) = (frames[0].y0.min(frames[1].y0), frames[0].y1.max(frames[1].y1));
     for frame in &mut frames {
         (frame.y0, frame.y1) = (top, bottom);
@@ -68,12 +58,7 @@ pub fn shape_svg(robot: &Robot, equilibrium: &Equilibrium) -> String {
         let origin = [x - frame.x0, y - frame.y0];
         panel(&mut page, view, &shape, frame, origin, step_mm, first);
         page.place(scene, origin);
-        heading(
-            &mut page,
-            robot,
-            view,
-            Rect::new(x, y - HEADING, x + frame.width(), y),
-        );
+        heading(&mut page, robot, view, Rect::new(x, y - HEADING, x + frame.width(), y));
         x += frame.width() + GAP;
     }
     y += bottom - top + 50.0;
@@ -85,23 +70,14 @@ pub fn shape_svg(robot: &Robot, equilibrium: &Equilibrium) -> String {
 fn scale(robot: &Robot, equilibrium: &Equilibrium, views: &[View; 2]) -> f64 {
     let mut extents = [Rect::EMPTY; 2];
     for (extent, view) in extents.iter_mut().zip(views) {
-        for p in equilibrium
-            .stations
-            .iter()
-            .map(|s| s.position)
-            .chain(rest_line(robot))
-        {
+        for p in equilibrium.stations.iter().map(|s| s.position).chain(rest_line(robot)) {
             extent.include(view.project(&p));
         }
     }
     let width = extents[0].width() + extents[1].width();
     let height = extents[0].height().max(extents[1].height());
     let scale = (ROOM[0] / width).min(ROOM[1] / height);
-    if scale.is_finite() && scale > 0.0 {
-        scale
-    } else {
-        1000.0
-    }
+    if scale.is_finite() && scale > 0.0 { scale } else { 1000.0 }
 }
 
 /// The direction in which the base is clamped: as long as the backbone, or a third where that is curved at rest.
@@ -149,12 +125,7 @@ fn scene(robot: &Robot, shape: &Shape, view: &View, named_tip: bool) -> Canvas {
 
 fn coordinates(p: &Vector3<f64>) -> String {
     let d = if p.amax() < 0.05 { 2 } else { 1 };
-    format!(
-        "({}, {}, {}) mm",
-        fixed(1e3 * p.x, d),
-        fixed(1e3 * p.y, d),
-        fixed(1e3 * p.z, d)
-    )
+    format!("({}, {}, {}) mm", fixed(1e3 * p.x, d), fixed(1e3 * p.y, d), fixed(1e3 * p.z, d))
 }
 
 /// The wall that holds the base.
@@ -165,11 +136,7 @@ fn clamp(canvas: &mut Canvas, robot: &Robot, view: &View) {
     if n < 0.3 {
         // seen along the backbone: the wall is behind it
         let half = 17.0;
-        canvas.rect(
-            Rect::centred([0.0; 2], 2.0 * half, 2.0 * half),
-            "#eef1f4",
-            Some(Pen::new(MUTED, 1.0)),
-        );
+        canvas.rect(Rect::centred([0.0; 2], 2.0 * half, 2.0 * half), "#eef1f4", Some(Pen::new(MUTED, 1.0)));
         let lines: Vec<(P, P)> = (1..12)
             .map(|i| f64::from(i) * 2.0 * half / 6.0 - 2.0 * half)
             .map(|sum| ((sum - half).max(-half), (sum + half).min(half), sum))
@@ -192,16 +159,9 @@ fn backbone(canvas: &mut Canvas, robot: &Robot, shape: &Shape, view: &View) {
     let mut start = 0.0;
     for (i, section) in robot.sections.iter().enumerate() {
         let end = start + section.length;
-        let mut points: Vec<P> = [start]
-            .into_iter()
-            .filter_map(|s| shape.at(s))
-            .map(|(p, _)| shape.on_page(view, &p))
-            .collect();
-        let inside = shape
-            .equilibrium
-            .stations
-            .iter()
-            .filter(|k| k.s > start && k.s < end);
+        let mut points: Vec<P> =
+            [start].into_iter().filter_map(|s| shape.at(s)).map(|(p, _)| shape.on_page(view, &p)).collect();
+        let inside = shape.equilibrium.stations.iter().filter(|k| k.s > start && k.s < end);
         points.extend(inside.map(|k| shape.on_page(view, &k.position)));
         points.extend(shape.at(end).map(|(p, _)| shape.on_page(view, &p)));
         for s in section.guides.iter().flat_map(|g| &g.positions) {
@@ -225,11 +185,7 @@ fn across(canvas: &mut Canvas, shape: &Shape, view: &View, s: f64, half: f64, pe
         return;
     };
     let c = shape.on_page(view, &p);
-    canvas.line(
-        [c[0] - half * t[1], c[1] + half * t[0]],
-        [c[0] + half * t[1], c[1] - half * t[0]],
-        pen,
-    );
+    canvas.line([c[0] - half * t[1], c[1] + half * t[0]], [c[0] + half * t[1], c[1] - half * t[0]], pen);
 }
 
 /// Places (px from the base, along the page's direction) and texts of the ticks between two such places.
@@ -239,12 +195,7 @@ fn axis_ticks(axis: &Axis, shape: &Shape, low: f64, high: f64, step_mm: f64) -> 
     let (a, b) = (world(low), world(high));
     ticks(a.min(b), a.max(b), step_mm)
         .into_iter()
-        .map(|mm| {
-            (
-                (axis.sign * mm * 1e-3 - base) * shape.scale,
-                fixed(mm, decimals(step_mm)),
-            )
-        })
+        .map(|mm| ((axis.sign * mm * 1e-3 - base) * shape.scale, fixed(mm, decimals(step_mm))))
         .collect()
 }
 
@@ -278,10 +229,7 @@ fn panel(page: &mut Canvas, view: &View, shape: &Shape, frame: &Rect, origin: P,
     let centre = (x0 + x1) / 2.0;
     let half = BODY.width(&name) / 2.0;
     page.text([centre, y1 + 35.0], Anchor::Middle, BODY, &name);
-    let (tail, head) = (
-        centre + view.right.sign * (half + 6.0),
-        centre + view.right.sign * (half + 30.0),
-    );
+    let (tail, head) = (centre + view.right.sign * (half + 6.0), centre + view.right.sign * (half + 30.0));
     page.arrow([tail, y1 + 31.0], [head, y1 + 31.0], Pen::new(MUTED, 1.1), 6.0);
 }
 
@@ -293,19 +241,10 @@ fn heading(page: &mut Canvas, robot: &Robot, view: &View, area: Rect) {
     let up = format!("{} in mm", view.up.name);
     page.text([after + 12.0, base], Anchor::Start, BODY, &up);
     let (low, high) = (base + 2.0, base - 13.0);
-    let (from, to) = if view.up.sign > 0.0 {
-        (low, high)
-    } else {
-        (high, low)
-    };
+    let (from, to) = if view.up.sign > 0.0 { (low, high) } else { (high, low) };
     page.arrow([after + 4.0, from], [after + 4.0, to], Pen::new(MUTED, 1.1), 6.0);
     if robot.gravity.norm() > 0.0 {
-        page.arrow(
-            [area.x1 - 6.0, base - 14.0],
-            [area.x1 - 6.0, base + 6.0],
-            Pen::new(INK, 1.6),
-            8.0,
-        );
+        page.arrow([area.x1 - 6.0, base - 14.0], [area.x1 - 6.0, base + 6.0], Pen::new(INK, 1.6), 8.0);
         page.text([area.x1 - 15.0, base], Anchor::End, Type::bold(13.0, INK), "g");
     }
 }
@@ -314,11 +253,7 @@ fn heading(page: &mut Canvas, robot: &Robot, view: &View, area: Rect) {
 fn header(page: &mut Canvas, robot: &Robot, equilibrium: &Equilibrium, width: f64) -> f64 {
     let title = Type::bold(21.0, INK);
     let room = width - 2.0 * MARGIN;
-    let name = if robot.name.trim().is_empty() {
-        "Robot without a name"
-    } else {
-        &robot.name
-    };
+    let name = if robot.name.trim().is_empty() { "Robot without a name" } else { &robot.name };
     let mut y = MARGIN + 14.0;
     for line in wrap(name, room, |s| title.width(s)) {
         page.text([MARGIN, y], Anchor::Start, title, &line);
@@ -327,16 +262,10 @@ fn header(page: &mut Canvas, robot: &Robot, equilibrium: &Equilibrium, width: f6
     let tip = coordinates(&equilibrium.tip.position);
     let mut lines = vec![(
         MUTED,
-        format!(
-            "Backbone {}, to scale. Tip at (x, y, z) = {tip}.",
-            millimetres(robot.length())
-        ),
+        format!("Backbone {}, to scale. Tip at (x, y, z) = {tip}.", millimetres(robot.length())),
     )];
     if equilibrium.report.stable == Some(false) {
-        lines.push((
-            SECOND,
-            "Unstable: the robot would not stay in this shape.".to_owned(),
-        ));
+        lines.push((SECOND, "Unstable: the robot would not stay in this shape.".to_owned()));
     }
     for check in equilibrium.checks.iter().filter(|c| !c.ok) {
         lines.push((SECOND, describe::failed_check(check)));
@@ -361,10 +290,7 @@ fn legend(page: &mut Canvas, robot: &Robot, top: f64, width: f64) -> f64 {
     }
     let mut entries: Vec<(Mark, String)> = Vec::new();
     for (i, section) in robot.sections.iter().enumerate() {
-        entries.push((
-            Mark::Line(Pen::new(section_colour(i), 3.4)),
-            section_text(section),
-        ));
+        entries.push((Mark::Line(Pen::new(section_colour(i), 3.4)), section_text(section)));
     }
     if let Some(count) = robot
         .sections
@@ -375,18 +301,11 @@ fn legend(page: &mut Canvas, robot: &Robot, top: f64, width: f64) -> f64 {
     {
         entries.push((Mark::Guide, format!("{count} guides")));
     }
-    entries.push((
-        Mark::Line(Pen::dashed(MUTED, 1.1, "5 4")),
-        "direction of the clamped base".to_owned(),
-    ));
+    entries.push((Mark::Line(Pen::dashed(MUTED, 1.1, "5 4")), "direction of the clamped base".to_owned()));
     entries.push((Mark::Tip, "tip".to_owned()));
     let g = robot.gravity.norm();
     if g > 0.0 {
-        let text = format!(
-            "gravity {} along {}",
-            prefixed(g, "m/s²"),
-            direction_name(&(robot.gravity / g))
-        );
+        let text = format!("gravity {} along {}", prefixed(g, "m/s²"), direction_name(&(robot.gravity / g)));
         entries.push((Mark::Gravity, text));
     }
 
@@ -402,19 +321,12 @@ fn legend(page: &mut Canvas, robot: &Robot, top: f64, width: f64) -> f64 {
             Mark::Line(pen) => page.line([x + 1.0, middle], [x + 25.0, middle], pen),
             Mark::Guide => {
                 page.line([x + 1.0, middle], [x + 25.0, middle], Pen::new(ACCENT, 3.4));
-                page.line(
-                    [x + 13.0, middle - 6.0],
-                    [x + 13.0, middle + 6.0],
-                    Pen::new(MUTED, 1.2),
-                );
+                page.line([x + 13.0, middle - 6.0], [x + 13.0, middle + 6.0], Pen::new(MUTED, 1.2));
             }
             Mark::Tip => page.circle([x + 18.0, middle], 4.5, WHITE, Some(Pen::new(INK, 1.8))),
-            Mark::Gravity => page.arrow(
-                [x + 18.0, middle - 9.0],
-                [x + 18.0, middle + 8.0],
-                Pen::new(INK, 1.6),
-                8.0,
-            ),
+            Mark::Gravity => {
+                page.arrow([x + 18.0, middle - 9.0], [x + 18.0, middle + 8.0], Pen::new(INK, 1.6), 8.0)
+            }
         }
         for (i, line) in lines.iter().enumerate() {
             y += if i > 0 { 16.0 } else { 0.0 };
@@ -427,10 +339,5 @@ fn legend(page: &mut Canvas, robot: &Robot, top: f64, width: f64) -> f64 {
 
 fn section_text(section: &Section) -> String {
     let profile = describe::profile(&section.profile);
-    format!(
-        "{}: {}, {profile}, {}",
-        section.name,
-        millimetres(section.length),
-        section.material.name
-    )
+    format!("{}: {}, {profile}, {}", section.name, millimetres(section.length), section.material.name)
 }

@@ -13,13 +13,11 @@ const ADVANCE: [u16; 95] = [
 pub(crate) fn width(s: &str, size: f64) -> f64 {
     let thousandths: f64 = s
         .chars()
-        .map(
-            |c| match (c as usize).checked_sub(32).and_then(|i| ADVANCE.get(i)) {
-                Some(&w) => f64::from(w),
-                None if (c as u32) < 0x2e80 => 620.0,
-                None => 1000.0, // ideographs and pictures
-            },
-        )
+        .map(|c| match (c as usize).checked_sub(32).and_then(|i| ADVANCE.get(i)) {
+            Some(&w) => f64::from(w),
+            None if (c as u32) < 0x2e80 => 620.0,
+            None => 1000.0, // ideographs and pictures
+        })
         .sum();
     thousandths * size / 1000.0
 }
@@ -58,11 +56,7 @@ pub(crate) fn fixed(x: f64, decimals: usize) -> String {
 /// As [`fixed`], without zeros at the end of the fraction.
 pub(crate) fn short(x: f64, decimals: usize) -> String {
     let s = fixed(x, decimals);
-    if s.contains('.') {
-        s.trim_end_matches('0').trim_end_matches('.').to_owned()
-    } else {
-        s
-    }
+    if s.contains('.') { s.trim_end_matches('0').trim_end_matches('.').to_owned() } else { s }
 }
 
 /// Four significant digits at most; a power of ten beyond a million and below a thousandth.
@@ -87,14 +81,7 @@ pub(crate) fn significant(x: f64) -> String {
 
 /// A value with the SI prefix that keeps it between 1 and 1000: `0.0157 N m²` is not prefixed, `0.02 N` is 20 mN.
 pub(crate) fn prefixed(x: f64, unit: &str) -> String {
-    let prefixes = [
-        (1e9, "G"),
-        (1e6, "M"),
-        (1e3, "k"),
-        (1.0, ""),
-        (1e-3, "m"),
-        (1e-6, "µ"),
-    ];
+    let prefixes = [(1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ")];
     let found = prefixes.iter().find(|(size, _)| x.abs() >= *size * 0.9999);
     match found {
         Some((size, prefix)) => format!("{} {prefix}{unit}", significant(x / size)),
@@ -109,11 +96,7 @@ pub(crate) fn millimetres(x: f64) -> String {
 
 /// A mass in grams, or in kilograms from one upward.
 pub(crate) fn mass(kg: f64) -> String {
-    if kg.abs() < 1.0 {
-        format!("{} g", short(1e3 * kg, 2))
-    } else {
-        format!("{} kg", significant(kg))
-    }
+    if kg.abs() < 1.0 { format!("{} g", short(1e3 * kg, 2)) } else { format!("{} kg", significant(kg)) }
 }
 
 /// Decimals that show every value of a column exactly, four at most.
@@ -121,9 +104,7 @@ pub(crate) fn decimals_of(values: impl Iterator<Item = f64> + Clone) -> usize {
     (0..4)
         .find(|&d| {
             let scale = 10f64.powi(d as i32);
-            values
-                .clone()
-                .all(|x| !x.is_finite() || (x * scale - (x * scale).round()).abs() < 1e-6 * scale)
+            values.clone().all(|x| !x.is_finite() || (x * scale - (x * scale).round()).abs() < 1e-6 * scale)
         })
         .unwrap_or(4)
 }
@@ -133,11 +114,7 @@ pub(crate) fn wrap(s: &str, room: f64, width: impl Fn(&str) -> f64) -> Vec<Strin
     let mut lines = Vec::new();
     let mut line = String::new();
     for word in s.split_whitespace() {
-        let joined = if line.is_empty() {
-            word.to_owned()
-        } else {
-            format!("{line} {word}")
-        };
+        let joined = if line.is_empty() { word.to_owned() } else { format!("{line} {word}") };
         if width(&joined) <= room {
             line = joined;
             continue;

@@ -6,9 +6,7 @@ pub(crate) fn nice_step(least: f64) -> f64 {
         return 1.0;
     }
     let power = 10f64.powf(least.log10().floor());
-    let step = [1.0, 2.0, 5.0, 10.0]
-        .into_iter()
-        .find(|m| m * power >= least * (1.0 - 1e-9));
+    let step = [1.0, 2.0, 5.0, 10.0].into_iter().find(|m| m * power >= least * (1.0 - 1e-9));
     step.unwrap_or(10.0) * power
 }
 

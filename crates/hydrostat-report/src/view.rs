@@ -30,18 +30,10 @@ impl Axis {
     pub(crate) fn new(direction: Vector3<f64>) -> Axis {
         for (i, name) in ["x", "y", "z"].into_iter().enumerate() {
             if direction[i].abs() > 1.0 - 1e-9 {
-                return Axis {
-                    direction,
-                    name: name.to_owned(),
-                    sign: direction[i].signum(),
-                };
+                return Axis { direction, name: name.to_owned(), sign: direction[i].signum() };
             }
         }
-        Axis {
-            name: direction_name(&direction),
-            direction,
-            sign: 1.0,
-        }
+        Axis { name: direction_name(&direction), direction, sign: 1.0 }
     }
 }
 
@@ -61,19 +53,13 @@ impl View {
 /// or along the base where there is none.
 pub(crate) fn side_and_front(robot: &Robot, equilibrium: &Equilibrium) -> [View; 2] {
     let tangent = robot.base.rotation.matrix().column(2).into_owned();
-    let up = unit(&-robot.gravity)
-        .or_else(|| unit(&tangent))
-        .unwrap_or_else(Vector3::z);
+    let up = unit(&-robot.gravity).or_else(|| unit(&tangent)).unwrap_or_else(Vector3::z);
     let [e1, e2] = across(&up);
 
     // spread of the backbone over the horizontal directions
     let (mut s11, mut s22, mut s12) = (0.0, 0.0, 0.0);
     let mut mean = Vector3::zeros();
-    for station in equilibrium
-        .stations
-        .iter()
-        .filter(|s| s.position.iter().all(|x| x.is_finite()))
-    {
+    for station in equilibrium.stations.iter().filter(|s| s.position.iter().all(|x| x.is_finite())) {
         let p = station.position - robot.base.position;
         let (a, b) = (p.dot(&e1), p.dot(&e2));
         s11 += a * a;
@@ -84,9 +70,7 @@ pub(crate) fn side_and_front(robot: &Robot, equilibrium: &Equilibrium) -> [View;
     let length = robot.length();
     let flat = s11 + s22 <= 1e-9 * length * length || !(s11 + s22).is_finite();
     let right = if flat {
-        unit(&(tangent - up * up.dot(&tangent)))
-            .filter(|_| up.dot(&tangent).abs() < 0.999)
-            .unwrap_or(e1)
+        unit(&(tangent - up * up.dot(&tangent))).filter(|_| up.dot(&tangent).abs() < 0.999).unwrap_or(e1)
     } else {
         let angle = 0.5 * (2.0 * s12).atan2(s11 - s22);
         let (sin, cos) = angle.sin_cos();
@@ -102,24 +86,14 @@ pub(crate) fn side_and_front(robot: &Robot, equilibrium: &Equilibrium) -> [View;
     };
     let front = forward(up.cross(&right));
     [
-        View {
-            title: "Side view",
-            right: Axis::new(right),
-            up: Axis::new(up),
-        },
-        View {
-            title: "Front view",
-            right: Axis::new(front),
-            up: Axis::new(up),
-        },
+        View { title: "Side view", right: Axis::new(right), up: Axis::new(up) },
+        View { title: "Front view", right: Axis::new(front), up: Axis::new(up) },
     ]
 }
 
 /// Two directions at right angles to `up` and each other; world axes where `up` is one.
 fn across(up: &Vector3<f64>) -> [Vector3<f64>; 2] {
-    let least = (0..3)
-        .min_by(|&i, &j| up[i].abs().total_cmp(&up[j].abs()))
-        .unwrap_or(0);
+    let least = (0..3).min_by(|&i, &j| up[i].abs().total_cmp(&up[j].abs())).unwrap_or(0);
     let mut axis = Vector3::zeros();
     axis[least] = 1.0;
     let e1 = unit(&(axis - up * up.dot(&axis))).unwrap_or_else(Vector3::x);

@@ -50,11 +50,7 @@ fn modules_know_only_what_their_heading_allows() {
             }
         }
     }
-    assert!(
-        broken.is_empty(),
-        "against ARCHITECTURE.md:\n{}",
-        broken.join("\n")
-    );
+    assert!(broken.is_empty(), "against ARCHITECTURE.md:\n{}", broken.join("\n"));
 }
 
 #[test]
@@ -70,11 +66,7 @@ fn the_core_does_no_input_or_output() {
 fn every_module_stands_under_a_heading() {
     let map = Map::read();
     for (module, file, _) in sources() {
-        assert!(
-            map.heading.contains_key(&module),
-            "{} is under no heading of lib.rs",
-            file.display()
-        );
+        assert!(map.heading.contains_key(&module), "{} is under no heading of lib.rs", file.display());
     }
 }
 
@@ -88,12 +80,9 @@ fn the_rules_catch_what_they_forbid() {
         map.imports("use crate::{Pose, verify::{Row, Point}, statics};"),
         ["model", "verify", "statics"]
     );
-    for (module, other) in [
-        ("numeric", "model"),
-        ("model", "statics"),
-        ("statics", "verify"),
-        ("verify", "validate"),
-    ] {
+    for (module, other) in
+        [("numeric", "model"), ("model", "statics"), ("statics", "verify"), ("verify", "validate")]
+    {
         assert!(!map.may_use(module, other), "{module} must not use {other}");
         assert!(map.may_use(module, "error") && map.may_use(module, "numeric"));
     }
@@ -112,10 +101,7 @@ impl Map {
     }
 
     fn parse(lib: &str) -> Map {
-        let mut map = Map {
-            heading: BTreeMap::new(),
-            exported: BTreeMap::new(),
-        };
+        let mut map = Map { heading: BTreeMap::new(), exported: BTreeMap::new() };
         let mut heading = None;
         for line in lib.lines().map(str::trim) {
             if let Some(comment) = line.strip_prefix("// ") {
@@ -124,9 +110,8 @@ impl Map {
             if let (Some(heading), Some(module)) = (heading, declared_module(line)) {
                 map.heading.insert(module.to_owned(), heading);
             }
-            if let Some((module, names)) = line
-                .strip_prefix("pub use ")
-                .and_then(|path| path.split_once("::"))
+            if let Some((module, names)) =
+                line.strip_prefix("pub use ").and_then(|path| path.split_once("::"))
             {
                 for name in names.split(|c: char| !is_word(c)).filter(|name| !name.is_empty()) {
                     map.exported.insert(name.to_owned(), module.to_owned());
@@ -160,12 +145,7 @@ impl Map {
 
 /// The first word after `crate::`, or of every branch of a `{...}` there.
 fn first_words(path: &str) -> Vec<String> {
-    let word = |text: &str| {
-        text.trim_start()
-            .chars()
-            .take_while(|&c| is_word(c))
-            .collect::<String>()
-    };
+    let word = |text: &str| text.trim_start().chars().take_while(|&c| is_word(c)).collect::<String>();
     let Some(group) = path.strip_prefix('{') else {
         return vec![word(path)];
     };
@@ -189,10 +169,7 @@ fn first_words(path: &str) -> Vec<String> {
 }
 
 fn declared_module(line: &str) -> Option<&str> {
-    let line = line
-        .strip_prefix("pub ")
-        .or(line.strip_prefix("pub(crate) "))
-        .unwrap_or(line);
+    let line = line.strip_prefix("pub ").or(line.strip_prefix("pub(crate) ")).unwrap_or(line);
     line.strip_prefix("mod ")?.strip_suffix(';')
 }
 
@@ -211,22 +188,11 @@ fn sources() -> Vec<(String, PathBuf, String)> {
     files.retain(|file| !file.ends_with("lib.rs") && !file.ends_with("tests.rs"));
     assert!(!files.is_empty(), "no sources found");
     let read = |file: PathBuf| {
-        let inside = file
-            .strip_prefix(source_folder())
-            .expect("collected from there")
-            .with_extension("");
-        let module = inside
-            .iter()
-            .next()
-            .expect("not empty")
-            .to_string_lossy()
-            .into_owned();
+        let inside = file.strip_prefix(source_folder()).expect("collected from there").with_extension("");
+        let module = inside.iter().next().expect("not empty").to_string_lossy().into_owned();
         let text = fs::read_to_string(&file).expect("a source is readable");
         let code = text.split("#[cfg(test)]").next().unwrap_or_default();
-        let code: Vec<&str> = code
-            .lines()
-            .filter(|line| !line.trim_start().starts_with("//"))
-            .collect();
+        let code: Vec<&str> = code.lines().filter(|line| !line.trim_start().starts_with("//")).collect();
         (module, file, code.join("\n"))
     };
     files.into_iter().map(read).collect()

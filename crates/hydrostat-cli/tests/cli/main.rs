@@ -62,20 +62,15 @@ impl Folder {
 
     fn files(&self) -> Vec<String> {
         let entries = fs::read_dir(&self.0).unwrap();
-        let mut names: Vec<_> = entries
-            .map(|e| e.unwrap().file_name().to_string_lossy().into_owned())
-            .collect();
+        let mut names: Vec<_> =
+            entries.map(|e| e.unwrap().file_name().to_string_lossy().into_owned()).collect();
         names.sort();
         names
     }
 
     fn run(&self, arguments: &str) -> Run {
         let mut command = Command::new(env!("CARGO_BIN_EXE_hydrostat"));
-        let output = command
-            .args(arguments.split_whitespace())
-            .current_dir(&self.0)
-            .output()
-            .unwrap();
+        let output = command.args(arguments.split_whitespace()).current_dir(&self.0).output().unwrap();
         Run {
             code: output.status.code().expect("the program ends by itself"),
             stdout: String::from_utf8(output.stdout).unwrap(),
@@ -113,11 +108,7 @@ impl Run {
         assert!(self.stderr.starts_with("error: "), "{}", self.stderr);
         assert!(!self.stderr.contains("panicked"), "{}", self.stderr);
         for word in words {
-            assert!(
-                self.stderr.contains(word),
-                "expected {word:?} in:\n{}",
-                self.stderr
-            );
+            assert!(self.stderr.contains(word), "expected {word:?} in:\n{}", self.stderr);
         }
     }
 }

@@ -15,9 +15,7 @@ fn help_and_version_are_no_errors() {
 #[test]
 fn a_drawing_needs_a_known_ending() {
     let folder = Folder::with("ending", "rod.toml", ROD);
-    folder
-        .run("solve rod.toml --plot rod.pdf")
-        .refuses(&["rod.pdf", ".svg or .png"]);
+    folder.run("solve rod.toml --plot rod.pdf").refuses(&["rod.pdf", ".svg or .png"]);
     folder.run("solve rod.toml --plot rod").refuses(&[".svg or .png"]);
     assert_eq!(folder.files(), ["rod.toml"]);
 }
@@ -29,18 +27,13 @@ fn a_drawing_is_written_whole_or_not_at_all() {
         .run("solve rod.toml --plot none/rod.svg")
         .refuses(&["cannot write none/rod.svg", "folder does not exist"]);
     std::fs::create_dir(folder.path("taken.svg")).unwrap();
-    folder
-        .run("solve rod.toml --plot taken.svg")
-        .refuses(&["cannot write taken.svg", "it is a folder"]);
+    folder.run("solve rod.toml --plot taken.svg").refuses(&["cannot write taken.svg", "it is a folder"]);
     assert_eq!(folder.files(), ["rod.toml", "taken.svg"]);
 
     std::fs::write(folder.path("rod.svg"), "old").unwrap();
     folder.run("solve rod.toml --plot rod.svg").succeeds();
     let drawing = std::fs::read_to_string(folder.path("rod.svg")).unwrap();
-    assert!(
-        drawing.contains("<svg") && drawing.trim_end().ends_with("</svg>"),
-        "{drawing}"
-    );
+    assert!(drawing.contains("<svg") && drawing.trim_end().ends_with("</svg>"), "{drawing}");
     assert_eq!(folder.files(), ["rod.svg", "rod.toml", "taken.svg"]);
 }
 
@@ -49,11 +42,7 @@ fn a_drawing_is_written_whole_or_not_at_all() {
 fn a_drawing_can_be_a_png() {
     let folder = Folder::with("png", "rod.toml", ROD);
     folder.run("solve rod.toml --plot rod.PNG").succeeds();
-    assert!(
-        std::fs::read(folder.path("rod.PNG"))
-            .unwrap()
-            .starts_with(b"\x89PNG")
-    );
+    assert!(std::fs::read(folder.path("rod.PNG")).unwrap().starts_with(b"\x89PNG"));
 }
 
 #[test]
@@ -70,9 +59,7 @@ fn a_report_is_one_page() {
 #[test]
 fn a_report_folder_that_is_a_file() {
     let folder = Folder::with("report_refused", "out", "mine");
-    folder
-        .run("verify --report out")
-        .refuses(&["out", "exists and is not a folder"]);
+    folder.run("verify --report out").refuses(&["out", "exists and is not a folder"]);
     folder.run("verify --report out/inner").refuses(&["out/inner"]);
     assert_eq!(folder.files(), ["out"]);
     assert_eq!(std::fs::read_to_string(folder.path("out")).unwrap(), "mine");
@@ -94,8 +81,5 @@ fn a_reader_that_leaves_early_is_no_error() {
     assert!(line.starts_with("s [m],"), "{line}");
     drop(reader);
     let output = child.wait_with_output().unwrap();
-    assert_eq!(
-        (output.status.code(), output.stderr.as_slice()),
-        (Some(0), b"".as_slice())
-    );
+    assert_eq!((output.status.code(), output.stderr.as_slice()), (Some(0), b"".as_slice()));
 }

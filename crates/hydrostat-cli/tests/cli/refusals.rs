@@ -8,9 +8,7 @@ fn refused(test: &str, old: &str, new: &str, words: &[&str]) {
     let text = ROD.replace(old, new);
     let line = 1 + text.lines().position(|line| line.contains(new)).unwrap();
     let folder = Folder::with(test, "rod.toml", text);
-    folder
-        .run("solve rod.toml --json")
-        .refuses(&[words, &[&format!("rod.toml:{line}:")]].concat());
+    folder.run("solve rod.toml --json").refuses(&[words, &[&format!("rod.toml:{line}:")]].concat());
 }
 
 /// `verify` of a bench with this table.
@@ -30,21 +28,12 @@ pub(crate) fn bench(test: &str) -> Folder {
 
 fn header(folder: &Folder) -> String {
     let table = std::fs::read_to_string(folder.path("try.csv")).unwrap();
-    table
-        .lines()
-        .find(|line| !line.starts_with('#'))
-        .unwrap()
-        .to_owned()
+    table.lines().find(|line| !line.starts_with('#')).unwrap().to_owned()
 }
 
 #[test]
 fn a_bare_number() {
-    refused(
-        "bare",
-        "length = \"390 mm\"",
-        "length = 390",
-        &["390", "unit", "section", "length"],
-    );
+    refused("bare", "length = \"390 mm\"", "length = 390", &["390", "unit", "section", "length"]);
 }
 
 #[test]
@@ -60,12 +49,7 @@ fn a_negative_length() {
 
 #[test]
 fn not_a_number() {
-    refused(
-        "nan",
-        "poisson_ratio = 0.33",
-        "poisson_ratio = nan",
-        &["poisson_ratio", "nan"],
-    );
+    refused("nan", "poisson_ratio = 0.33", "poisson_ratio = nan", &["poisson_ratio", "nan"]);
     refused("nan_quantity", "\"390 mm\"", "\"nan mm\"", &["length", "nan"]);
 }
 
@@ -93,21 +77,14 @@ fn a_missing_column() {
 fn a_cell_that_is_no_number() {
     let header = header(&bench("cell_header"));
     let row = vec!["12.7"; header.split(',').count() - 1].join(",");
-    refused_table(
-        "cell",
-        &format!("{header}\n{row},much\n"),
-        &["try.csv", "much", "2"],
-    );
+    refused_table("cell", &format!("{header}\n{row},much\n"), &["try.csv", "much", "2"]);
 }
 
 #[test]
 fn an_absurd_density_is_doubted() {
     let text = ROD.replace("6.45 g/cm^3", "6.80 g/mm^3");
     let run = Folder::with("absurd", "rod.toml", text).run("solve rod.toml --json");
-    assert!(
-        run.stderr.contains("density") && run.stderr.contains("6.80 g/mm^3"),
-        "{run:?}"
-    );
+    assert!(run.stderr.contains("density") && run.stderr.contains("6.80 g/mm^3"), "{run:?}");
     assert!(run.stderr.starts_with("warning: ") || run.code == 2, "{run:?}");
 }
 
@@ -115,30 +92,22 @@ fn an_absurd_density_is_doubted() {
 fn a_folder_instead_of_a_file() {
     let folder = Folder::new("folder");
     std::fs::create_dir(folder.path("rods")).unwrap();
-    folder
-        .run("solve rods")
-        .refuses(&["rods is a folder", "expected a file"]);
+    folder.run("solve rods").refuses(&["rods is a folder", "expected a file"]);
     folder.run("verify rods").refuses(&["rods is a folder"]);
-    folder
-        .run("validate --data rods")
-        .refuses(&["rods", "no file named"]);
+    folder.run("validate --data rods").refuses(&["rods", "no file named"]);
 }
 
 #[test]
 fn a_missing_file() {
     let folder = Folder::new("missing");
     folder.run("solve rod.toml").refuses(&["no file named rod.toml"]);
-    folder
-        .run("verify bench.toml")
-        .refuses(&["no file named bench.toml"]);
+    folder.run("verify bench.toml").refuses(&["no file named bench.toml"]);
 }
 
 #[test]
 fn a_file_that_is_no_text() {
     let folder = Folder::with("binary", "rod.toml", b"name = \"rod\"\nlength = \xff\xfe\n");
-    folder
-        .run("solve rod.toml")
-        .refuses(&["rod.toml is not UTF-8", "line 2"]);
+    folder.run("solve rod.toml").refuses(&["rod.toml is not UTF-8", "line 2"]);
 }
 
 #[test]
@@ -146,9 +115,7 @@ fn a_huge_file() {
     let folder = Folder::new("huge");
     let file = std::fs::File::create(folder.path("rod.toml")).unwrap();
     file.set_len(1 << 32).unwrap(); // sparse: takes no room on the disk
-    folder
-        .run("solve rod.toml")
-        .refuses(&["rod.toml is larger than 64 MiB"]);
+    folder.run("solve rod.toml").refuses(&["rod.toml is larger than 64 MiB"]);
 }
 
 #[test]

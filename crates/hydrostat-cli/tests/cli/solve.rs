@@ -4,9 +4,7 @@ use crate::{Folder, ROD, json, keys};
 
 #[test]
 fn the_summary_is_for_people() {
-    let text = Folder::with("summary", "rod.toml", ROD)
-        .run("solve rod.toml")
-        .succeeds();
+    let text = Folder::with("summary", "rod.toml", ROD).run("solve rod.toml").succeeds();
     for words in [
         "tip position",
         "mm",
@@ -24,36 +22,16 @@ fn the_summary_is_for_people() {
 
 #[test]
 fn json_has_the_keys_of_the_format() {
-    let text = Folder::with("json", "rod.toml", ROD)
-        .run("solve rod.toml --json --stations 11")
-        .succeeds();
+    let text = Folder::with("json", "rod.toml", ROD).run("solve rod.toml --json --stations 11").succeeds();
     let value = json(&text);
-    assert_eq!(
-        keys(&value),
-        ["robot", "tip", "stations", "tendons", "checks", "report"]
-    );
+    assert_eq!(keys(&value), ["robot", "tip", "stations", "tendons", "checks", "report"]);
     assert_eq!(keys(&value["tip"]), ["position_m", "rotation"]);
-    let columns = [
-        "s_m",
-        "position_m",
-        "rotation",
-        "v",
-        "u_per_m",
-        "force_n",
-        "moment_nm",
-    ];
+    let columns = ["s_m", "position_m", "rotation", "v", "u_per_m", "force_n", "moment_nm"];
     assert_eq!(keys(&value["stations"]), columns);
     for column in columns {
-        assert_eq!(
-            value["stations"][column].as_array().unwrap().len(),
-            11,
-            "{column}"
-        );
+        assert_eq!(value["stations"][column].as_array().unwrap().len(), 11, "{column}");
     }
-    assert_eq!(
-        keys(&value["checks"][0]),
-        ["name", "value", "limit", "ok", "at_m"]
-    );
+    assert_eq!(keys(&value["checks"][0]), ["name", "value", "limit", "ok", "at_m"]);
     let report = [
         "method",
         "iterations",
@@ -64,10 +42,7 @@ fn json_has_the_keys_of_the_format() {
         "solve_time_us",
     ];
     assert_eq!(keys(&value["report"]), report);
-    assert_eq!(
-        (&value["robot"], &value["report"]["method"]),
-        (&"rod".into(), &"shooting".into())
-    );
+    assert_eq!((&value["robot"], &value["report"]["method"]), (&"rod".into(), &"shooting".into()));
     assert_eq!(value["tip"]["position_m"], value["stations"]["position_m"][10]);
     assert!(value["report"]["solve_time_us"].as_f64().unwrap() > 0.0);
 }
@@ -75,9 +50,7 @@ fn json_has_the_keys_of_the_format() {
 /// Columns d1 d2 d3: at the base d3 lies along x and d1 along y.
 #[test]
 fn rotations_are_rows_of_the_matrix() {
-    let text = Folder::with("rows", "rod.toml", ROD)
-        .run("solve rod.toml --json")
-        .succeeds();
+    let text = Folder::with("rows", "rod.toml", ROD).run("solve rod.toml --json").succeeds();
     let base = &json(&text)["stations"]["rotation"][0];
     let number = |row: usize, column: usize| base[row][column].as_f64().unwrap().round();
     assert_eq!([number(0, 2), number(1, 0), number(2, 1)], [1.0, 1.0, 1.0]);
@@ -86,9 +59,7 @@ fn rotations_are_rows_of_the_matrix() {
 /// The base carries the hung mass and the rod's own weight.
 #[test]
 fn the_base_force_is_the_weight() {
-    let text = Folder::with("weight", "rod.toml", ROD)
-        .run("solve rod.toml --json")
-        .succeeds();
+    let text = Folder::with("weight", "rod.toml", ROD).run("solve rod.toml --json").succeeds();
     let force = json(&text)["stations"]["force_n"][0][1].as_f64().unwrap();
     let area = std::f64::consts::PI / 4.0 * 1.56e-3_f64.powi(2);
     let weight = 9.81 * (0.020 + 6450.0 * area * 0.390);
@@ -97,17 +68,11 @@ fn the_base_force_is_the_weight() {
 
 #[test]
 fn csv_has_units_in_the_header() {
-    let text = Folder::with("csv", "rod.toml", ROD)
-        .run("solve rod.toml --csv --stations 5")
-        .succeeds();
+    let text = Folder::with("csv", "rod.toml", ROD).run("solve rod.toml --csv --stations 5").succeeds();
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines.len(), 6);
     for unit in ["s [m]", "x [m]", "u1 [1/m]", "force x [N]", "moment x [N m]"] {
-        assert!(
-            lines[0].split(',').any(|column| column == unit),
-            "{unit} in {}",
-            lines[0]
-        );
+        assert!(lines[0].split(',').any(|column| column == unit), "{unit} in {}", lines[0]);
     }
     for line in &lines[1..] {
         let numbers: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
@@ -125,10 +90,6 @@ fn a_failing_check_is_exit_code_1() {
 
     let run = folder.run("solve rod.toml --json");
     assert_eq!(run.code, 1);
-    assert!(
-        run.stderr.starts_with("warning: check strain fails"),
-        "{}",
-        run.stderr
-    );
+    assert!(run.stderr.starts_with("warning: check strain fails"), "{}", run.stderr);
     assert_eq!(json(&run.stdout)["checks"][0]["ok"], false);
 }

@@ -5,10 +5,7 @@ use crate::Folder;
 #[test]
 fn every_case_agrees() {
     let text = Folder::new("validate").run("validate").succeeds();
-    assert!(
-        text.contains("tolerance") && text.contains("cases agree"),
-        "{text}"
-    );
+    assert!(text.contains("tolerance") && text.contains("cases agree"), "{text}");
     assert!(!text.contains("FAILS"), "{text}");
 }
 

@@ -8,14 +8,9 @@ const ROUNDING: f64 = 0.5e-5;
 #[test]
 fn the_built_in_bench_prints_the_table() {
     let text = Folder::new("gray").run("verify").succeeds();
-    for words in [
-        "mass [g]",
-        "predicted x y [mm]",
-        "observed x y [mm]",
-        "error [mm]",
-        "constant curvature",
-        "Verdict",
-    ] {
+    for words in
+        ["mass [g]", "predicted x y [mm]", "observed x y [mm]", "error [mm]", "constant curvature", "Verdict"]
+    {
         assert!(text.contains(words), "expected {words:?} in:\n{text}");
     }
 }
@@ -42,16 +37,9 @@ fn json_has_the_keys_of_the_format() {
     }
     let rows = value["rows"].as_array().unwrap();
     assert_eq!(rows.len(), 11);
-    assert_eq!(
-        keys(&rows[0]),
-        ["mass_kg", "at_m", "predicted_m", "observed_m", "error_m"]
-    );
+    assert_eq!(keys(&rows[0]), ["mass_kg", "at_m", "predicted_m", "observed_m", "error_m"]);
     assert_eq!(rows[0]["observed_m"], serde_json::json!([0.39, -0.023]));
-    assert!(
-        value["verdict"]
-            .as_str()
-            .is_some_and(|verdict| !verdict.is_empty())
-    );
+    assert!(value["verdict"].as_str().is_some_and(|verdict| !verdict.is_empty()));
 }
 
 #[test]

@@ -29,11 +29,7 @@ pub(crate) fn section(name: &str, length: f64, diameter: f64) -> Section {
         name: name.into(),
         length,
         material: nitinol(),
-        profile: Profile {
-            base: round,
-            tip: round,
-            shear_coefficient: 1.0,
-        },
+        profile: Profile { base: round, tip: round, shear_coefficient: 1.0 },
         rest_curvature: Vector3::zeros(),
         guides: None,
     }
@@ -41,28 +37,16 @@ pub(crate) fn section(name: &str, length: f64, diameter: f64) -> Section {
 
 pub(crate) fn guides(spacing: f64, length: f64) -> Option<Guides> {
     let count = (length / spacing + 1e-9) as usize;
-    Some(Guides {
-        positions: (1..=count).map(|i| i as f64 * spacing).collect(),
-        mass: 0.9e-3,
-    })
+    Some(Guides { positions: (1..=count).map(|i| i as f64 * spacing).collect(), mass: 0.9e-3 })
 }
 
 pub(crate) fn robot(name: &str, base: Pose, sections: Vec<Section>, loads: Vec<LoadKind>) -> Robot {
     let loads = loads.into_iter().map(|kind| Load { name: None, kind }).collect();
-    Robot {
-        name: name.into(),
-        gravity: v(0.0, 0.0, -9.81),
-        base,
-        sections,
-        loads,
-    }
+    Robot { name: name.into(), gravity: v(0.0, 0.0, -9.81), base, sections, loads }
 }
 
 pub(crate) fn upward() -> Pose {
-    Pose {
-        position: Vector3::zeros(),
-        rotation: Rotation3::identity(),
-    }
+    Pose { position: Vector3::zeros(), rotation: Rotation3::identity() }
 }
 
 /// A base with the given world directions of the tangent and, about, of d1.
@@ -70,10 +54,7 @@ pub(crate) fn base(tangent: Vector3<f64>, normal: Vector3<f64>) -> Pose {
     let d3 = tangent.normalize();
     let d2 = d3.cross(&normal).normalize();
     let rotation = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[d2.cross(&d3), d2, d3]));
-    Pose {
-        position: Vector3::zeros(),
-        rotation,
-    }
+    Pose { position: Vector3::zeros(), rotation }
 }
 
 /// The shape with bending and twist u(s), body frame.
@@ -101,18 +82,9 @@ pub(crate) fn integrate(robot: &Robot, u: impl Fn(f64) -> Vector3<f64>) -> Equil
     }
     let last = stations.last().unwrap();
     Equilibrium {
-        tip: Pose {
-            position: last.position,
-            rotation: Rotation3::from_matrix_unchecked(last.rotation),
-        },
+        tip: Pose { position: last.position, rotation: Rotation3::from_matrix_unchecked(last.rotation) },
         stations,
-        checks: vec![Check {
-            name: "strain",
-            value: 0.004,
-            limit: 0.01,
-            ok: true,
-            at: Some(0.0),
-        }],
+        checks: vec![Check { name: "strain", value: 0.004, limit: 0.01, ok: true, at: Some(0.0) }],
         report: Report {
             method: Method::Shooting,
             iterations: 4,
@@ -125,12 +97,7 @@ pub(crate) fn integrate(robot: &Robot, u: impl Fn(f64) -> Vector3<f64>) -> Equil
 }
 
 pub(crate) fn point(at: f64, force: Vector3<f64>, moment: Vector3<f64>) -> LoadKind {
-    LoadKind::Point {
-        at,
-        force,
-        moment,
-        frame: Frame::World,
-    }
+    LoadKind::Point { at, force, moment, frame: Frame::World }
 }
 
 pub(crate) fn hung(at: f64, mass: f64) -> LoadKind {
@@ -146,12 +113,8 @@ pub(crate) fn gallery() -> Vec<(&'static str, Robot, Equilibrium)> {
         all.push((name, robot, shape));
     };
 
-    let mut planar = robot(
-        "Gray's rod, 20 g",
-        horizontal(),
-        vec![section("rod", 0.39, 1.56e-3)],
-        vec![hung(0.39, 0.02)],
-    );
+    let mut planar =
+        robot("Gray's rod, 20 g", horizontal(), vec![section("rod", 0.39, 1.56e-3)], vec![hung(0.39, 0.02)]);
     planar.gravity = v(0.0, -9.81, 0.0);
     planar.base = base(v(1.0, 0.0, 0.0), v(0.0, 0.0, 1.0));
     add("planar", planar, &|s| Vector3::x() * (-5.2 * (1.0 - s / 0.39)));
@@ -161,32 +124,17 @@ pub(crate) fn gallery() -> Vec<(&'static str, Robot, Equilibrium)> {
     let mut distal = section("distal", 0.15, 1.2e-3);
     distal.guides = guides(0.01, 0.15);
     let sections = vec![proximal, distal];
-    let loads = vec![
-        point(0.35, v(0.1, -0.2, 0.05), v(0.0, 0.02, 0.0)),
-        hung(0.2, 0.02),
-        hung(0.35, 0.05),
-    ];
-    add(
-        "helix",
-        robot("SCR, helically routed tendon", upward(), sections, loads),
-        &|s| {
-            let a = 22.0 * s;
-            v(9.0 * a.cos(), 9.0 * a.sin(), 1.5)
-        },
-    );
+    let loads = vec![point(0.35, v(0.1, -0.2, 0.05), v(0.0, 0.02, 0.0)), hung(0.2, 0.02), hung(0.35, 0.05)];
+    add("helix", robot("SCR, helically routed tendon", upward(), sections, loads), &|s| {
+        let a = 22.0 * s;
+        v(9.0 * a.cos(), 9.0 * a.sin(), 1.5)
+    });
 
     let mut tiny = section("catheter tip", 0.02, 0.3e-3);
-    tiny.profile.base = CrossSection::Tube {
-        diameter: 0.6e-3,
-        inner_diameter: 0.4e-3,
-    };
+    tiny.profile.base = CrossSection::Tube { diameter: 0.6e-3, inner_diameter: 0.4e-3 };
     tiny.profile.tip = tiny.profile.base;
     let loads = vec![point(0.02, v(0.004, 0.0, 0.0), v(0.0, 1e-5, 0.0))];
-    add(
-        "tiny",
-        robot("Micro catheter", upward(), vec![tiny], loads),
-        &|_| v(0.0, 55.0, 0.0),
-    );
+    add("tiny", robot("Micro catheter", upward(), vec![tiny], loads), &|_| v(0.0, 55.0, 0.0));
 
     let mut long = section("boom", 2.0, 8e-3);
     long.profile.tip = CrossSection::Round { diameter: 4e-3 };
@@ -200,20 +148,13 @@ pub(crate) fn gallery() -> Vec<(&'static str, Robot, Equilibrium)> {
         },
         hung(2.0, 0.15),
     ];
-    add(
-        "long",
-        robot("Two-metre boom", horizontal(), vec![long], loads),
-        &|s| Vector3::x() * (0.9 * (1.0 - s / 2.0)),
-    );
+    add("long", robot("Two-metre boom", horizontal(), vec![long], loads), &|s| {
+        Vector3::x() * (0.9 * (1.0 - s / 2.0))
+    });
 
     add(
         "vertical",
-        robot(
-            "Upright & unloaded <test>",
-            upward(),
-            vec![section("rod", 0.4, 2e-3)],
-            vec![],
-        ),
+        robot("Upright & unloaded <test>", upward(), vec![section("rod", 0.4, 2e-3)], vec![]),
         &|_| Vector3::zeros(),
     );
 
@@ -232,21 +173,14 @@ pub(crate) fn gallery() -> Vec<(&'static str, Robot, Equilibrium)> {
     let loads = vec![hung(0.6, 0.001)];
     add(
         "straight",
-        robot(
-            "Almost straight rod",
-            horizontal(),
-            vec![section("rod", 0.6, 6e-3)],
-            loads,
-        ),
+        robot("Almost straight rod", horizontal(), vec![section("rod", 0.6, 6e-3)], loads),
         &|_| Vector3::x() * 0.002,
     );
 
     let mut free = robot(
         "No gravity, oblique base",
         base(v(1.0, 1.0, 1.0), Vector3::x()),
-        (1..=4)
-            .map(|i| section(&format!("segment {i}"), 0.05, 1e-3))
-            .collect(),
+        (1..=4).map(|i| section(&format!("segment {i}"), 0.05, 1e-3)).collect(),
         vec![LoadKind::Distributed {
             from: 0.0,
             to: 0.2,
@@ -302,11 +236,7 @@ pub(crate) fn elastica(length: f64, mass: f64) -> Vec<Vector3<f64>> {
     let (mut low, mut high) = (-40.0, 0.0);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        if run(middle).0 > 0.0 {
-            high = middle
-        } else {
-            low = middle
-        }
+        if run(middle).0 > 0.0 { high = middle } else { low = middle }
     }
     run(0.5 * (low + high)).1
 }
@@ -351,18 +281,10 @@ pub(crate) fn gray() -> (Experiment, Verification) {
         let bent = arc(length, &predicted);
         constant.push((bent.last().unwrap() - observed).norm());
         let error = (predicted - observed).norm();
-        measured.push(Row {
-            inputs: vec![g * 1e-3],
-            observed: vec![observed],
-        });
+        measured.push(Row { inputs: vec![g * 1e-3], observed: vec![observed] });
         rows.push(VerifiedRow {
             inputs: vec![g * 1e-3],
-            points: vec![PointError {
-                at: length,
-                predicted,
-                observed,
-                error,
-            }],
+            points: vec![PointError { at: length, predicted, observed, error }],
             shape,
             constant_curvature_shape: bent,
         });
@@ -379,11 +301,7 @@ pub(crate) fn gray() -> (Experiment, Verification) {
             unit: ("g".into(), 1e-3),
             quantity: Varied::HungMass { at: length },
         }],
-        points: vec![Point {
-            at: length,
-            axes: vec![0, 1],
-            reading_error: 5e-4,
-        }],
+        points: vec![Point { at: length, axes: vec![0, 1], reading_error: 5e-4 }],
         rows: measured,
         published: Some(Published {
             mean_errors: vec![
@@ -422,33 +340,18 @@ pub(crate) fn benches() -> Vec<(&'static str, (Experiment, Verification))> {
 pub(crate) fn spatial() -> (Experiment, Verification) {
     let mut sections = vec![section("proximal", 0.2, 1.56e-3), section("distal", 0.15, 1.2e-3)];
     sections[0].guides = guides(0.02, 0.2);
-    let robot = robot(
-        "SCR <two sections> & tendons",
-        upward(),
-        sections,
-        vec![hung(0.1, 0.01)],
-    );
+    let robot = robot("SCR <two sections> & tendons", upward(), sections, vec![hung(0.1, 0.01)]);
     let length = robot.length();
     let (mut rows, mut measured) = (Vec::new(), Vec::new());
     let (mut errors, mut constant) = (Vec::new(), Vec::new());
-    for (i, (force, angle)) in [
-        (0.0, 0.0),
-        (0.1, 0.0),
-        (0.2, 0.0),
-        (0.1, 0.35),
-        (0.2, 0.35),
-        (0.3, 0.35),
-    ]
-    .into_iter()
-    .enumerate()
+    for (i, (force, angle)) in
+        [(0.0, 0.0), (0.1, 0.0), (0.2, 0.0), (0.1, 0.35), (0.2, 0.35), (0.3, 0.35)].into_iter().enumerate()
     {
-        let shape: Vec<_> = integrate(&robot, |s| {
-            v(1.0 + 8.0 * angle, 14.0 * force + 0.5, 0.0) * (1.3 - s)
-        })
-        .stations
-        .iter()
-        .map(|k| k.position)
-        .collect();
+        let shape: Vec<_> = integrate(&robot, |s| v(1.0 + 8.0 * angle, 14.0 * force + 0.5, 0.0) * (1.3 - s))
+            .stations
+            .iter()
+            .map(|k| k.position)
+            .collect();
         let bent: Vec<_> = integrate(&robot, |_| v(1.0 + 8.0 * angle, 14.0 * force + 0.5, 0.0) * 1.05)
             .stations
             .iter()
@@ -470,22 +373,11 @@ pub(crate) fn spatial() -> (Experiment, Verification) {
                 }
             })
             .collect();
-        measured.push(Row {
-            inputs: vec![force, angle],
-            observed: points.iter().map(|p| p.observed).collect(),
-        });
-        rows.push(VerifiedRow {
-            inputs: vec![force, angle],
-            points,
-            shape,
-            constant_curvature_shape: bent,
-        });
+        measured
+            .push(Row { inputs: vec![force, angle], observed: points.iter().map(|p| p.observed).collect() });
+        rows.push(VerifiedRow { inputs: vec![force, angle], points, shape, constant_curvature_shape: bent });
     }
-    let point = |at| Point {
-        at,
-        axes: vec![0, 1, 2],
-        reading_error: 1e-3,
-    };
+    let point = |at| Point { at, axes: vec![0, 1, 2], reading_error: 1e-3 };
     let input = |column: &str, unit: &str, size, quantity| Input {
         column: column.into(),
         unit: (unit.into(), size),
@@ -496,15 +388,7 @@ pub(crate) fn spatial() -> (Experiment, Verification) {
         source: None,
         axes: upward(),
         inputs: vec![
-            input(
-                "force",
-                "mN",
-                1e-3,
-                Varied::Force {
-                    at: length,
-                    direction: Vector3::x(),
-                },
-            ),
+            input("force", "mN", 1e-3, Varied::Force { at: length, direction: Vector3::x() }),
             input("angle", "deg", 1f64.to_radians(), Varied::MountAngle),
         ],
         points: vec![point(0.57 * length), point(length)],

@@ -4,10 +4,13 @@
 //! load by damped Newton iterations on a coarse mesh, then halves the steps until two resolutions agree.
 
 mod chain;
+mod constant_curvature;
 mod report;
 mod rod;
 mod search;
 mod shooting;
+
+pub use constant_curvature::{Arcs, Weight, constant_curvature};
 
 use crate::{Equilibrium, Error, Robot};
 use chain::Chain;

@@ -37,19 +37,12 @@ const SUBSAMPLE: usize = 20;
 /// Solves and checks the rods 0 to count - 1 of a seed.
 pub fn sweep(count: usize, seed: u64) -> Sweep {
     let settings = Settings::default();
-    let mut sweep = Sweep {
-        count,
-        ..Sweep::default()
-    };
+    let mut sweep = Sweep { count, ..Sweep::default() };
     for index in 0..count {
         let robot = robot(seed, index);
         match statics::solve(&robot, &settings) {
             Ok(found) => sweep.add(index, &robot, &found, &settings),
-            Err(error) => sweep
-                .refused
-                .entry(kind(&error.to_string()))
-                .or_default()
-                .push(index),
+            Err(error) => sweep.refused.entry(kind(&error.to_string())).or_default().push(index),
         }
     }
     sweep
@@ -59,11 +52,8 @@ impl Sweep {
     fn add(&mut self, index: usize, robot: &Robot, found: &Equilibrium, settings: &Settings) {
         let defect = defects(robot, found).largest();
         self.worst = worse(self.worst, (defect, index));
-        let error = if index.is_multiple_of(SUBSAMPLE) {
-            distance_from_finer(robot, found, settings)
-        } else {
-            0.0
-        };
+        let error =
+            if index.is_multiple_of(SUBSAMPLE) { distance_from_finer(robot, found, settings) } else { 0.0 };
         self.worst_error = worse(self.worst_error, (error, index));
         if defect <= LARGEST_DEFECT && error <= settings.tolerance {
             self.converged += 1;
@@ -83,24 +73,9 @@ impl Sweep {
         };
         let share = 100.0 * self.converged as f64 / self.count.max(1) as f64;
         vec![
-            group.case(
-                format!("converged and checked of {} [%]", self.count),
-                100.0,
-                Ok(share),
-                0.1,
-            ),
-            group.case(
-                "answers that fail the check",
-                0.0,
-                Ok(self.faults.len() as f64),
-                0.0,
-            ),
-            group.case(
-                "largest defect of an answer",
-                0.0,
-                Ok(self.worst.0),
-                LARGEST_DEFECT,
-            ),
+            group.case(format!("converged and checked of {} [%]", self.count), 100.0, Ok(share), 0.1),
+            group.case("answers that fail the check", 0.0, Ok(self.faults.len() as f64), 0.0),
+            group.case("largest defect of an answer", 0.0, Ok(self.worst.0), LARGEST_DEFECT),
             group.case(
                 "largest distance from a finer solution / L",
                 0.0,
@@ -113,19 +88,10 @@ impl Sweep {
 
 impl fmt::Display for Sweep {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(
-            f,
-            "{} of {} rods converged and checked",
-            self.converged, self.count
-        )?;
+        writeln!(f, "{} of {} rods converged and checked", self.converged, self.count)?;
         writeln!(f, "{} of them unstable equilibria", self.unstable)?;
         for (message, rods) in &self.refused {
-            writeln!(
-                f,
-                "{} refused: {message}.. (rods {:?})",
-                rods.len(),
-                &rods[..rods.len().min(10)]
-            )?;
+            writeln!(f, "{} refused: {message}.. (rods {:?})", rods.len(), &rods[..rods.len().min(10)])?;
         }
         writeln!(
             f,
@@ -144,18 +110,11 @@ impl fmt::Display for Sweep {
 
 /// Largest distance between two solutions over the stations, as a fraction of the length; NaN where the finer is refused.
 fn distance_from_finer(robot: &Robot, found: &Equilibrium, settings: &Settings) -> f64 {
-    let finer = Settings {
-        tolerance: 0.01 * settings.tolerance,
-        ..settings.clone()
-    };
+    let finer = Settings { tolerance: 0.01 * settings.tolerance, ..settings.clone() };
     let Ok(finer) = statics::solve(robot, &finer) else {
         return f64::NAN;
     };
-    let distances = found
-        .stations
-        .iter()
-        .zip(&finer.stations)
-        .map(|(a, b)| (a.position - b.position).norm());
+    let distances = found.stations.iter().zip(&finer.stations).map(|(a, b)| (a.position - b.position).norm());
     distances.fold(0.0, f64::max) / robot.length()
 }
 
@@ -166,9 +125,7 @@ fn worse(a: (f64, usize), b: (f64, usize)) -> (f64, usize) {
 
 /// A message up to its first number.
 fn kind(message: &str) -> String {
-    let end = message
-        .find(|c: char| c.is_ascii_digit())
-        .unwrap_or(message.len());
+    let end = message.find(|c: char| c.is_ascii_digit()).unwrap_or(message.len());
     message[..end].trim_end().to_string()
 }
 
