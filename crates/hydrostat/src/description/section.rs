@@ -55,7 +55,7 @@ pub(super) fn read(
         if length < LEAST_SLENDERNESS * thickness {
             let message = format!(
                 "the robot is only {} times as long as it is thick",
-                length / thickness
+                rounded(length / thickness)
             );
             warnings.push(
                 node.error(message)
