@@ -16,38 +16,62 @@ pub struct Kind {
     dimension: Dimension,
 }
 
-macro_rules! kinds {
-    ($($constant:ident $name:literal $example:literal $unit:literal $dimension:expr;)*) => {
-        $(#[allow(missing_docs)]
-        pub const $constant: Kind =
-            Kind { name: $name, example: $example, unit: $unit, dimension: $dimension };)*
-        const KINDS: &[Kind] = &[$($constant),*];
-    };
-}
+pub const LENGTH: Kind = Kind::new("a length", "390 mm", "m", [1, 0, 0, 0]);
+pub const AREA: Kind = Kind::new("an area", "1.9 mm^2", "m^2", [2, 0, 0, 0]);
+pub const VOLUME: Kind = Kind::new("a volume", "2 cm^3", "m^3", [3, 0, 0, 0]);
+pub const MASS: Kind = Kind::new("a mass", "20 g", "kg", [0, 1, 0, 0]);
+pub const DENSITY: Kind = Kind::new("mass per volume", "6450 kg/m^3", "kg/m^3", [-3, 1, 0, 0]);
+pub const MASS_PER_LENGTH: Kind = Kind::new("mass per length", "12 g/m", "kg/m", [-1, 1, 0, 0]);
+pub const TIME: Kind = Kind::new("a time", "2 s", "s", [0, 0, 1, 0]);
+pub const SPEED: Kind = Kind::new("a speed", "10 mm/s", "m/s", [1, 0, -1, 0]);
+pub const ACCELERATION: Kind = Kind::new("an acceleration", "9.81 m/s^2", "m/s^2", [1, 0, -2, 0]);
+pub const FORCE: Kind = Kind::new("a force", "0.5 N", "N", [1, 1, -2, 0]);
+pub const FORCE_PER_LENGTH: Kind = Kind::new("force per length", "0.5 N/m", "N/m", [0, 1, -2, 0]);
+pub const MOMENT: Kind = Kind::new("a moment", "0.5 N m", "N m", [2, 1, -2, 0]);
+pub const MOMENT_PER_LENGTH: Kind = Kind::new("moment per length", "0.5 N", "N", [1, 1, -2, 0]);
+pub const STRESS: Kind = Kind::new("force per area", "54 GPa", "Pa", [-1, 1, -2, 0]);
+pub const CURVATURE: Kind = Kind::new("a curvature", "2 1/m", "1/m", [-1, 0, 0, 0]);
+pub const ANGLE: Kind = Kind::new("an angle", "30 deg", "rad", [0, 0, 0, 1]);
+pub const FRACTION: Kind = Kind::new("a fraction", "1 %", "1", [0, 0, 0, 0]);
+pub const FREQUENCY: Kind = Kind::new("a frequency", "2 Hz", "Hz", [0, 0, -1, 0]);
 
-// The first of two kinds with the same dimension is the one that a message names as found.
-kinds! {
-    LENGTH "a length" "390 mm" "m" [1, 0, 0, 0];
-    AREA "an area" "1.9 mm^2" "m^2" [2, 0, 0, 0];
-    VOLUME "a volume" "2 cm^3" "m^3" [3, 0, 0, 0];
-    MASS "a mass" "20 g" "kg" [0, 1, 0, 0];
-    DENSITY "mass per volume" "6450 kg/m^3" "kg/m^3" [-3, 1, 0, 0];
-    MASS_PER_LENGTH "mass per length" "12 g/m" "kg/m" [-1, 1, 0, 0];
-    TIME "a time" "2 s" "s" [0, 0, 1, 0];
-    SPEED "a speed" "10 mm/s" "m/s" [1, 0, -1, 0];
-    ACCELERATION "an acceleration" "9.81 m/s^2" "m/s^2" [1, 0, -2, 0];
-    FORCE "a force" "0.5 N" "N" [1, 1, -2, 0];
-    FORCE_PER_LENGTH "force per length" "0.5 N/m" "N/m" [0, 1, -2, 0];
-    MOMENT "a moment" "0.5 N m" "N m" [2, 1, -2, 0];
-    MOMENT_PER_LENGTH "moment per length" "0.5 N" "N" [1, 1, -2, 0];
-    STRESS "force per area" "54 GPa" "Pa" [-1, 1, -2, 0];
-    CURVATURE "a curvature" "2 1/m" "1/m" [-1, 0, 0, 0];
-    ANGLE "an angle" "30 deg" "rad" [0, 0, 0, 1];
-    FRACTION "a fraction" "1 %" "1" [0, 0, 0, 0];
-    FREQUENCY "a frequency" "2 Hz" "Hz" [0, 0, -1, 0];
-}
+/// The first of two with the same dimension is the one that a message names as found.
+const KINDS: &[Kind] = &[
+    LENGTH,
+    AREA,
+    VOLUME,
+    MASS,
+    DENSITY,
+    MASS_PER_LENGTH,
+    TIME,
+    SPEED,
+    ACCELERATION,
+    FORCE,
+    FORCE_PER_LENGTH,
+    MOMENT,
+    MOMENT_PER_LENGTH,
+    STRESS,
+    CURVATURE,
+    ANGLE,
+    FRACTION,
+    FREQUENCY,
+];
 
 impl Kind {
+    const fn new(
+        name: &'static str,
+        example: &'static str,
+        unit: &'static str,
+        dimension: Dimension,
+    ) -> Kind {
+        Kind {
+            name,
+            example,
+            unit,
+            dimension,
+        }
+    }
+
     /// The end of a message: `mass per volume, such as "6450 kg/m^3"`.
     pub fn expected(&self) -> String {
         format!("{}, such as \"{}\"", self.name, self.example)

@@ -31,7 +31,7 @@ hint: its columns: mass [g], tip x [mm], tip y [mm], error [mm], error [%], angl
    |
 12 | x = "error"
    |     ^^^^^^^
-hint: give the whole header: error [mm] or error [%]
+hint: give the whole header, which must be unique: error [mm] or error [%]
 "#;
 
     two_angles "# bench" => r#"[bench]

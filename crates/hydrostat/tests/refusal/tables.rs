@@ -3,6 +3,14 @@
 use crate::*;
 
 edits! { in_table TABLE:
+    column_given_twice "angle [deg]" => "mass [g]", r#"lab/table.csv has several columns "mass"
+ --> lab/bench.toml:7:10, key vary.1.column
+  |
+7 | column = "mass"
+  |          ^^^^^^
+hint: give the whole header, which must be unique: mass [g] or mass [g]
+"#;
+
     unit_missing_in_header "mass [g]" => "mass", r#"the column "mass" has no unit, expected a mass, such as "20 g"
  --> lab/table.csv:2:1
   |
