@@ -47,6 +47,13 @@ impl Error {
         self
     }
 
+    /// Says in which part of a larger job it happened.
+    #[must_use]
+    pub fn within(mut self, part: &str) -> Self {
+        self.message = format!("{part}: {}", self.message);
+        self
+    }
+
     /// The sentence alone.
     pub fn message(&self) -> &str {
         &self.message

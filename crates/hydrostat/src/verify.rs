@@ -1,6 +1,11 @@
 //! Holds the model against a measured bench.
 
-use crate::{Error, Robot, model::Pose, statics::Settings};
+mod findings;
+mod verdict;
+
+use crate::model::{Frame, Load, LoadKind, Pose};
+use crate::statics::{Arcs, Settings, Weight, Workspace, constant_curvature, solve_in};
+use crate::{Error, Robot};
 use nalgebra::Vector3;
 
 /// A bench: a robot, what was varied, and what was measured.
@@ -83,7 +88,7 @@ pub struct Published {
 pub struct Verification {
     pub rows: Vec<VerifiedRow>,
     pub model: Summary,
-    /// The constant-curvature model, with the weight and with the weight ignored.
+    /// The constant-curvature model, with the weight of the backbone and with it ignored.
     pub constant_curvature: Summary,
     pub constant_curvature_weightless: Summary,
     /// Name and errors of every variant.
@@ -130,6 +135,153 @@ pub struct Summary {
 }
 
 /// Solves every row and compares.
-pub fn verify(_experiment: &Experiment, _settings: &Settings) -> Result<Verification, Error> {
-    Err(Error::new("not written yet"))
+///
+/// # Errors
+/// The first row that has no solution, with its inputs.
+pub fn verify(experiment: &Experiment, settings: &Settings) -> Result<Verification, Error> {
+    let mut rows = Vec::with_capacity(experiment.rows.len());
+    let mut arcs = [Vec::new(), Vec::new()];
+    for (number, row) in experiment.rows.iter().enumerate() {
+        let in_row =
+            |error: Error| error.within(&format!("row {} ({})", number + 1, experiment.inputs_of(row)));
+        let robot = experiment.robot_in(&experiment.robot, row);
+        let mut workspace = Workspace::default();
+        let settings = Settings { stations: SHAPE_POINTS, ..settings.clone() };
+        let shape = solve_in(&robot, &settings, &mut workspace).map_err(in_row)?;
+        let of_constant_curvature = constant_curvature(&robot, Weight::Included).map_err(in_row)?;
+        arcs[1].push(constant_curvature(&robot, Weight::Ignored).map_err(in_row)?);
+        rows.push(VerifiedRow {
+            inputs: row.inputs.clone(),
+            points: experiment.compare(row, |at| workspace.station(&robot, at).position),
+            shape: shape.stations.iter().map(|station| experiment.to_bench(&station.position)).collect(),
+            constant_curvature_shape: of_constant_curvature
+                .poses(SHAPE_POINTS)
+                .iter()
+                .map(|pose| experiment.to_bench(&pose.position))
+                .collect(),
+        });
+        arcs[0].push(of_constant_curvature);
+    }
+    let of_arcs = |arcs: &[Arcs]| {
+        let points = experiment.rows.iter().zip(arcs);
+        experiment
+            .summary(points.flat_map(|(row, arcs)| experiment.compare(row, |at| arcs.pose(at).position)))
+    };
+    let mut variants = Vec::new();
+    for (name, robot) in &experiment.variants {
+        let predicted = experiment
+            .predict(robot, settings)
+            .map_err(|error| error.within(&format!("variant \"{name}\"")))?;
+        let points = experiment.rows.iter().zip(&predicted);
+        let points = points.flat_map(|(row, predicted)| experiment.differences(row, predicted));
+        variants.push((name.clone(), experiment.summary(points)));
+    }
+    let model = experiment.summary(rows.iter().flat_map(|row| row.points.iter().copied()));
+    let [constant_curvature, constant_curvature_weightless] = arcs.map(|arcs| of_arcs(&arcs));
+    Ok(Verification {
+        verdict: verdict::verdict(experiment, &rows, &model, &constant_curvature),
+        findings: findings::findings(experiment, &rows, settings)?,
+        rows,
+        model,
+        constant_curvature,
+        constant_curvature_weightless,
+        variants,
+    })
+}
+
+/// Points of a drawn shape.
+const SHAPE_POINTS: usize = 101;
+
+impl Experiment {
+    /// `robot` as it was loaded and mounted in a row.
+    pub fn robot_in(&self, robot: &Robot, row: &Row) -> Robot {
+        let mut robot = robot.clone();
+        for (input, &value) in self.inputs.iter().zip(&row.inputs) {
+            let kind = match input.quantity {
+                Varied::MountAngle => {
+                    robot.base = robot.base.turned(&self.axes, value);
+                    continue;
+                }
+                Varied::HungMass { at } => LoadKind::Mass { at, mass: value },
+                Varied::Force { at, direction } => LoadKind::Point {
+                    at,
+                    force: self.axes.rotation * (value * direction),
+                    moment: Vector3::zeros(),
+                    frame: Frame::World,
+                },
+            };
+            robot.loads.push(Load { name: None, kind });
+        }
+        robot
+    }
+
+    /// The inputs of a row as the data file gives them: `mass 20 g`.
+    pub fn inputs_of(&self, row: &Row) -> String {
+        let inputs = self.inputs.iter().zip(&row.inputs);
+        let texts: Vec<String> = inputs
+            .map(|(input, value)| {
+                let value = value / input.unit.1;
+                // nine digits drop what the conversion to SI and back adds
+                format!("{} {} {}", input.column, (value * 1e9).round() / 1e9, input.unit.0)
+            })
+            .collect();
+        texts.join(", ")
+    }
+
+    /// Predicted points of every row, bench axes.
+    fn predict(&self, robot: &Robot, settings: &Settings) -> Result<Vec<Vec<Vector3<f64>>>, Error> {
+        let settings = Settings { stations: 0, ..settings.clone() };
+        let mut workspace = Workspace::default();
+        let predict = |row: &Row| {
+            let robot = self.robot_in(robot, row);
+            solve_in(&robot, &settings, &mut workspace)?;
+            let position = |point: &Point| self.to_bench(&workspace.station(&robot, point.at).position);
+            Ok(self.points.iter().map(position).collect())
+        };
+        self.rows.iter().map(predict).collect()
+    }
+
+    fn to_bench(&self, position: &Vector3<f64>) -> Vector3<f64> {
+        self.axes.rotation.inverse() * (position - self.axes.position)
+    }
+
+    /// Compares a row with positions in the world.
+    fn compare(&self, row: &Row, position: impl Fn(f64) -> Vector3<f64>) -> Vec<PointError> {
+        let predicted: Vec<_> = self.points.iter().map(|point| self.to_bench(&position(point.at))).collect();
+        self.differences(row, &predicted)
+    }
+
+    /// Compares a row with positions in the bench's axes.
+    fn differences(&self, row: &Row, predicted: &[Vector3<f64>]) -> Vec<PointError> {
+        let points = self.points.iter().zip(predicted).zip(&row.observed);
+        points
+            .map(|((point, predicted), observed)| {
+                let read = |v: &Vector3<f64>| {
+                    Vector3::from_fn(|i, _| if point.axes.contains(&i) { v[i] } else { 0.0 })
+                };
+                let (predicted, observed) = (read(predicted), read(observed));
+                PointError { at: point.at, predicted, observed, error: (predicted - observed).norm() }
+            })
+            .collect()
+    }
+
+    fn summary(&self, errors: impl Iterator<Item = PointError>) -> Summary {
+        let (mut count, mut coordinates) = (0.0, 0.0);
+        let (mut sum, mut squares, mut max, mut weighted) = (0.0, 0.0, 0.0_f64, 0.0);
+        for (error, point) in errors.zip(self.points.iter().cycle()) {
+            count += 1.0;
+            coordinates += point.axes.len() as f64;
+            sum += error.error;
+            squares += error.error.powi(2);
+            max = max.max(error.error);
+            weighted += (error.error / point.reading_error).powi(2);
+        }
+        Summary {
+            mean: sum / count,
+            rms: (squares / count).sqrt(),
+            max,
+            mean_fraction: sum / count / self.robot.length(),
+            in_reading_errors: (weighted / coordinates).sqrt(),
+        }
+    }
 }

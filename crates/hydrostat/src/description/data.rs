@@ -88,11 +88,13 @@ impl<'s> Data<'s> {
     fn find(&self, key: &Node) -> Result<usize, Error> {
         let wanted = key.text("the name of a column")?.trim();
         let headers: Vec<&str> = self.headers.iter().map(|cell| cell.text.as_str()).collect();
-        if let Some(exact) = headers.iter().position(|header| *header == wanted) {
-            return Ok(exact);
+        let all = |test: &dyn Fn(&str) -> bool| -> Vec<usize> {
+            (0..headers.len()).filter(|i| test(headers[*i])).collect()
+        };
+        let mut named = all(&|header| header == wanted);
+        if named.is_empty() {
+            named = all(&|header| split_header(header).0 == wanted);
         }
-        let named: Vec<usize> =
-            (0..headers.len()).filter(|i| split_header(headers[*i]).0 == wanted).collect();
         match named[..] {
             [index] => Ok(index),
             [] => {
@@ -107,7 +109,7 @@ impl<'s> Data<'s> {
                 let named: Vec<&str> = named.iter().map(|i| headers[*i]).collect();
                 Err(key
                     .error(format!("{} has several columns {}", self.source.file, quoted(wanted)))
-                    .hint(format!("give the whole header: {}", named.join(" or "))))
+                    .hint(format!("give the whole header, which must be unique: {}", named.join(" or "))))
             }
         }
     }

@@ -16,38 +16,57 @@ pub struct Kind {
     dimension: Dimension,
 }
 
-macro_rules! kinds {
-    ($($constant:ident $name:literal $example:literal $unit:literal $dimension:expr;)*) => {
-        $(#[allow(missing_docs)]
-        pub const $constant: Kind =
-            Kind { name: $name, example: $example, unit: $unit, dimension: $dimension };)*
-        const KINDS: &[Kind] = &[$($constant),*];
-    };
-}
+pub const LENGTH: Kind = Kind::new("a length", "390 mm", "m", [1, 0, 0, 0]);
+pub const AREA: Kind = Kind::new("an area", "1.9 mm^2", "m^2", [2, 0, 0, 0]);
+pub const VOLUME: Kind = Kind::new("a volume", "2 cm^3", "m^3", [3, 0, 0, 0]);
+pub const MASS: Kind = Kind::new("a mass", "20 g", "kg", [0, 1, 0, 0]);
+pub const DENSITY: Kind = Kind::new("mass per volume", "6450 kg/m^3", "kg/m^3", [-3, 1, 0, 0]);
+pub const MASS_PER_LENGTH: Kind = Kind::new("mass per length", "12 g/m", "kg/m", [-1, 1, 0, 0]);
+pub const TIME: Kind = Kind::new("a time", "2 s", "s", [0, 0, 1, 0]);
+pub const SPEED: Kind = Kind::new("a speed", "10 mm/s", "m/s", [1, 0, -1, 0]);
+pub const ACCELERATION: Kind = Kind::new("an acceleration", "9.81 m/s^2", "m/s^2", [1, 0, -2, 0]);
+pub const FORCE: Kind = Kind::new("a force", "0.5 N", "N", [1, 1, -2, 0]);
+pub const FORCE_PER_LENGTH: Kind = Kind::new("force per length", "0.5 N/m", "N/m", [0, 1, -2, 0]);
+pub const MOMENT: Kind = Kind::new("a moment", "0.5 N m", "N m", [2, 1, -2, 0]);
+pub const MOMENT_PER_LENGTH: Kind = Kind::new("moment per length", "0.5 N", "N", [1, 1, -2, 0]);
+pub const STRESS: Kind = Kind::new("force per area", "54 GPa", "Pa", [-1, 1, -2, 0]);
+pub const CURVATURE: Kind = Kind::new("a curvature", "2 1/m", "1/m", [-1, 0, 0, 0]);
+pub const ANGLE: Kind = Kind::new("an angle", "30 deg", "rad", [0, 0, 0, 1]);
+pub const FRACTION: Kind = Kind::new("a fraction", "1 %", "1", [0, 0, 0, 0]);
+pub const FREQUENCY: Kind = Kind::new("a frequency", "2 Hz", "Hz", [0, 0, -1, 0]);
 
-// The first of two kinds with the same dimension is the one that a message names as found.
-kinds! {
-    LENGTH "a length" "390 mm" "m" [1, 0, 0, 0];
-    AREA "an area" "1.9 mm^2" "m^2" [2, 0, 0, 0];
-    VOLUME "a volume" "2 cm^3" "m^3" [3, 0, 0, 0];
-    MASS "a mass" "20 g" "kg" [0, 1, 0, 0];
-    DENSITY "mass per volume" "6450 kg/m^3" "kg/m^3" [-3, 1, 0, 0];
-    MASS_PER_LENGTH "mass per length" "12 g/m" "kg/m" [-1, 1, 0, 0];
-    TIME "a time" "2 s" "s" [0, 0, 1, 0];
-    SPEED "a speed" "10 mm/s" "m/s" [1, 0, -1, 0];
-    ACCELERATION "an acceleration" "9.81 m/s^2" "m/s^2" [1, 0, -2, 0];
-    FORCE "a force" "0.5 N" "N" [1, 1, -2, 0];
-    FORCE_PER_LENGTH "force per length" "0.5 N/m" "N/m" [0, 1, -2, 0];
-    MOMENT "a moment" "0.5 N m" "N m" [2, 1, -2, 0];
-    MOMENT_PER_LENGTH "moment per length" "0.5 N" "N" [1, 1, -2, 0];
-    STRESS "force per area" "54 GPa" "Pa" [-1, 1, -2, 0];
-    CURVATURE "a curvature" "2 1/m" "1/m" [-1, 0, 0, 0];
-    ANGLE "an angle" "30 deg" "rad" [0, 0, 0, 1];
-    FRACTION "a fraction" "1 %" "1" [0, 0, 0, 0];
-    FREQUENCY "a frequency" "2 Hz" "Hz" [0, 0, -1, 0];
-}
+/// The first of two with the same dimension is the one that a message names as found.
+const KINDS: &[Kind] = &[
+    LENGTH,
+    AREA,
+    VOLUME,
+    MASS,
+    DENSITY,
+    MASS_PER_LENGTH,
+    TIME,
+    SPEED,
+    ACCELERATION,
+    FORCE,
+    FORCE_PER_LENGTH,
+    MOMENT,
+    MOMENT_PER_LENGTH,
+    STRESS,
+    CURVATURE,
+    ANGLE,
+    FRACTION,
+    FREQUENCY,
+];
 
 impl Kind {
+    const fn new(
+        name: &'static str,
+        example: &'static str,
+        unit: &'static str,
+        dimension: Dimension,
+    ) -> Kind {
+        Kind { name, example, unit, dimension }
+    }
+
     /// The end of a message: `mass per volume, such as "6450 kg/m^3"`.
     pub fn expected(&self) -> String {
         format!("{}, such as \"{}\"", self.name, self.example)
@@ -178,4 +197,105 @@ fn number_length(text: &[u8]) -> usize {
         }
     }
     end
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    /// Exact: the power of ten is taken in decimal, so that the nearest number is found.
+    #[test]
+    fn values_are_exact_in_si() {
+        let cases: &[(&str, Kind, f64)] = &[
+            ("390 mm", LENGTH, 0.39),
+            ("390mm", LENGTH, 0.39),
+            (" 34.87  cm ", LENGTH, 0.3487),
+            (".0445 in", LENGTH, 0.0445 * 254.0 / 1e4),
+            ("5. ft", LENGTH, 5.0 * 0.3048),
+            ("-1.5e-3 km", LENGTH, -1.5),
+            ("3 um", LENGTH, 3e-6),
+            ("3 µm", LENGTH, 3e-6),
+            ("54 GPa", STRESS, 54e9),
+            ("54e3 N/mm^2", STRESS, 54e9),
+            ("1 bar", STRESS, 1e5),
+            ("10 psi", STRESS, 68947.57293168361),
+            ("6.45 g/cm^3", DENSITY, 6450.0),
+            ("6.80 g/cm³", DENSITY, 6800.0),
+            ("0.284 lb/in^3", DENSITY, 0.284 * 0.45359237 / 0.0254f64.powi(3)),
+            ("1 t/m^3", DENSITY, 1000.0),
+            ("20 g", MASS, 0.02),
+            ("1 oz", MASS, 0.028349523125),
+            ("0.5 N m", MOMENT, 0.5),
+            ("0.5 N*m", MOMENT, 0.5),
+            ("0.5 N·m", MOMENT, 0.5),
+            ("50 N mm", MOMENT, 0.05),
+            ("1 J", MOMENT, 1.0),
+            ("0.5 kg m/s^2", FORCE, 0.5),
+            ("0.5 kg*m/s/s", FORCE, 0.5),
+            ("1 kgf", FORCE, 9.80665),
+            ("100 gf", FORCE, 0.980665),
+            ("1 lbf", FORCE, 4.4482216152605),
+            ("20 kN", FORCE, 20e3),
+            ("3 N", MOMENT_PER_LENGTH, 3.0),
+            ("2 mN/mm", FORCE_PER_LENGTH, 2.0),
+            ("30 deg", ANGLE, 30.0 * (PI / 180.0)),
+            ("0.5 rev", ANGLE, PI),
+            ("2 1/m", CURVATURE, 2.0),
+            ("2 m^-1", CURVATURE, 2.0),
+            ("2 rad/m", CURVATURE, 2.0),
+            ("1 %", FRACTION, 0.01),
+            ("0.01 1", FRACTION, 0.01),
+            ("2 min", TIME, 120.0),
+            ("50 Hz", FREQUENCY, 50.0),
+        ];
+        for (text, kind, expected) in cases {
+            let value = scalar(text, kind).expect(text);
+            assert!((value - expected).abs() <= 2e-16 * expected.abs(), "{text}: {value} is not {expected}");
+        }
+    }
+
+    #[test]
+    fn vectors_and_lists() {
+        let gravity = vector("[0, -9.81, 0] m/s^2", &ACCELERATION);
+        assert_eq!(gravity, Ok(Vector3::new(0.0, -9.81, 0.0)));
+        let curvature = vector("[-1.4, 0.8,1.3]1/m", &CURVATURE);
+        assert_eq!(curvature, Ok(Vector3::new(-1.4, 0.8, 1.3)));
+        assert_eq!(list("[10, 20, 40] mm", &LENGTH), Ok(vec![0.01, 0.02, 0.04]));
+    }
+
+    #[test]
+    fn refusals() {
+        let cases: &[(&str, Kind, &str)] = &[
+            ("", LENGTH, "found an empty text, expected a length, such as \"390 mm\""),
+            ("mm", LENGTH, "found \"mm\", expected a length, such as \"390 mm\""),
+            ("- mm", LENGTH, "found \"- mm\", expected a length, such as \"390 mm\""),
+            (". mm", LENGTH, "found \". mm\", expected a length, such as \"390 mm\""),
+            ("5", LENGTH, "found a number without a unit, expected a length, such as \"390 mm\""),
+            ("5 N", MOMENT, "found a force, expected a moment, such as \"0.5 N m\""),
+            ("5 N m", FORCE, "found a moment, expected a force, such as \"0.5 N\""),
+            ("5 deg", FRACTION, "found an angle, expected a fraction, such as \"1 %\""),
+            ("5 %", ANGLE, "found a fraction, expected an angle, such as \"30 deg\""),
+            ("5 kg^2", MASS, "found a quantity in \"kg^2\", expected a mass, such as \"20 g\""),
+            ("5 m/", LENGTH, "\"m/\" is not a unit"),
+            ("5 /m", CURVATURE, "\"/m\" is not a unit"),
+            ("5 m//s", SPEED, "\"m//s\" is not a unit"),
+            ("5 m^x", LENGTH, "\"m^x\" is not a unit"),
+            ("5 m^99999999999", LENGTH, "\"m^99999999999\" is not a unit"),
+            ("5 kkg", MASS, "unknown unit \"kkg\""),
+            ("1e400 m", LENGTH, "\"1e400 m\" is too large to compute with"),
+            ("1e-400 m", LENGTH, "\"1e-400 m\" is too small to compute with"),
+            ("1e99999999999999999999 m", LENGTH, "\"1e99999999999999999999 m\" is too large to compute with"),
+            ("[1, 2] m", LENGTH, "found a list, expected a length, such as \"390 mm\""),
+        ];
+        for (text, kind, expected) in cases {
+            let error = scalar(text, kind).expect_err(text);
+            assert_eq!(error.message(), *expected);
+        }
+        for text in
+            ["", "[", "[]", "[] m", "[1,] m", "[1 2 3] m", "1, 2, 3 m", "[1; 2; 3] m", "[nan, 0, 0] m"]
+        {
+            assert!(vector(text, &LENGTH).is_err(), "{text}");
+        }
+    }
 }

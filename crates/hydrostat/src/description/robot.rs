@@ -66,10 +66,8 @@ fn read_base(table: &Table) -> Result<Pose, Error> {
     let position = get("position").map_or(Ok(Vector3::zeros()), |node| node.vector(&LENGTH))?;
     let tangent = get("tangent").map_or(Ok(Vector3::z()), Node::direction)?;
     let normal = get("normal").map_or_else(|| Ok(default_normal(&tangent)), Node::direction)?;
-    let d1 = perpendicular(&normal, &tangent).ok_or_else(|| match get("normal") {
-        Some(node) => node.error("the normal is parallel to the tangent"),
-        None => table.node.error("the default normal is parallel to the tangent"), // never: see default_normal
-    })?;
+    let d1 = perpendicular(&normal, &tangent)
+        .ok_or_else(|| get("normal").unwrap_or(table.node).error("the normal is parallel to the tangent"))?;
     let columns = [d1, tangent.cross(&d1), tangent];
     Ok(Pose { position, rotation: Rotation3::from_matrix_unchecked(Matrix3::from_columns(&columns)) })
 }

@@ -45,7 +45,8 @@ pub(super) fn read(
     for (node, section) in nodes.iter().zip(&sections) {
         let thickness = 2.0 * reach(&section.profile.base).max(reach(&section.profile.tip));
         if length < LEAST_SLENDERNESS * thickness {
-            let message = format!("the robot is only {} times as long as it is thick", length / thickness);
+            let message =
+                format!("the robot is only {} times as long as it is thick", rounded(length / thickness));
             warnings
                 .push(node.error(message).hint("rod theory is made for slender bodies, 10 times and more"));
         }

@@ -118,12 +118,12 @@ impl Unit {
     }
 
     /// The size of this unit in SI.
-    pub fn size(&self) -> f64 {
+    pub fn size(self) -> f64 {
         self.factor * 10f64.powi(self.ten)
     }
 
     /// A decimal number in this unit, in SI; the power of ten is taken in decimal, so that "34.87 cm" is 0.3487.
-    pub(super) fn to_si(&self, number: &str) -> f64 {
+    pub(super) fn to_si(self, number: &str) -> f64 {
         let (mantissa, exponent) = number.split_once(['e', 'E']).unwrap_or((number, "0"));
         let exponent = exponent.parse::<i64>().map(|exponent| exponent.saturating_add(self.ten.into()));
         let shifted = match exponent {

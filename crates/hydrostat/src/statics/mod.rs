@@ -12,6 +12,7 @@ mod shooting;
 
 pub use constant_curvature::{Arcs, Weight, constant_curvature};
 
+use crate::solution::Station;
 use crate::{Equilibrium, Error, Robot};
 use chain::Chain;
 use search::Search;
@@ -95,4 +96,11 @@ fn run(
     let found = if chain.follower { search.run(warm, follower)? } else { search.run(warm, dead)? };
     workspace.warm = true;
     report::equilibrium(robot, settings, &workspace.chain, &workspace.fine, &found)
+}
+
+impl Workspace {
+    /// The backbone of the solution last found, at any `s` from 0 to the length; `robot` as it was solved.
+    pub fn station(&self, robot: &Robot, s: f64) -> Station {
+        report::station(robot, &self.chain, &self.fine, s.clamp(0.0, self.chain.length))
+    }
 }

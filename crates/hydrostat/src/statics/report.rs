@@ -49,7 +49,7 @@ pub(super) fn equilibrium(
 }
 
 /// The state at `s`, on the base side of a jump.
-fn station(robot: &Robot, chain: &Chain, mesh: &Mesh, s: f64) -> Station {
+pub(super) fn station(robot: &Robot, chain: &Chain, mesh: &Mesh, s: f64) -> Station {
     let k = mesh.steps.partition_point(|step| step.from < s).saturating_sub(1);
     let span = &chain.spans[chain.span_at(s)];
     let start = &mesh.steps[k];

@@ -1,0 +1,185 @@
+//! The verdict in words, from the numbers of the table.
+
+use super::{Experiment, Summary, VerifiedRow};
+
+/// Is the model within the reading error, is the residual systematic, what does the simpler model say.
+pub(super) fn verdict(
+    experiment: &Experiment,
+    rows: &[VerifiedRow],
+    model: &Summary,
+    constant_curvature: &Summary,
+) -> Vec<String> {
+    let mut verdict = vec![within_reading_error(experiment, rows, model)];
+    verdict.extend((0..experiment.inputs.len()).filter_map(|input| systematic(experiment, rows, input)));
+    verdict.push(format!(
+        "The constant-curvature model errs by {:.2} mm on average, {:.1} times as much.",
+        1e3 * constant_curvature.mean,
+        constant_curvature.mean / model.mean
+    ));
+    verdict
+}
+
+/// Chi-square test of the weighted residuals against reading alone.
+fn within_reading_error(experiment: &Experiment, rows: &[VerifiedRow], model: &Summary) -> String {
+    let per_row: usize = experiment.points.iter().map(|point| point.axes.len()).sum();
+    let n = (per_row * rows.len()) as f64;
+    let limit = (chi_square_95(n) / n).sqrt();
+    let ratio = model.in_reading_errors;
+    if ratio <= limit {
+        format!(
+            "The model is within the reading error: its coordinates are off by {ratio:.2} reading errors (root mean \
+             square), and reading alone would exceed {limit:.2} in one case of twenty."
+        )
+    } else {
+        format!(
+            "The model is not within the reading error: its coordinates are off by {ratio:.1} reading errors (root \
+             mean square), where reading alone would stay below {limit:.2} in nineteen cases of twenty."
+        )
+    }
+}
+
+/// Runs test of the residual along the way the last point moves with an input.
+fn systematic(experiment: &Experiment, rows: &[VerifiedRow], input: usize) -> Option<String> {
+    let point = experiment.points.len().checked_sub(1)?;
+    let mut order: Vec<usize> = (0..rows.len()).collect();
+    order.sort_by(|&a, &b| rows[a].inputs[input].total_cmp(&rows[b].inputs[input]));
+    let value = |k: usize| rows[order[k]].inputs[input];
+    let distinct = (1..order.len()).filter(|&k| value(k) > value(k - 1)).count() + 1;
+    // other inputs that vary would show as runs of their own
+    let alone = (0..experiment.inputs.len())
+        .all(|other| other == input || rows.iter().all(|row| same(row.inputs[other], rows[0].inputs[other])));
+    if distinct < FEWEST_FOR_RUNS || !alone {
+        return None;
+    }
+    // residual along the motion of the predicted point: positive where the bench moved farther than the model
+    let residual: Vec<f64> = (0..order.len())
+        .map(|k| {
+            let at = |k: usize| rows[order[k]].points[point].predicted;
+            let motion = at((k + 1).min(order.len() - 1)) - at(k.saturating_sub(1));
+            let off = rows[order[k]].points[point].observed - at(k);
+            off.dot(&motion.try_normalize(0.0).unwrap_or_default())
+        })
+        .collect();
+    let farther: Vec<bool> = residual.iter().map(|&r| r > 0.0).collect();
+    let runs = 1 + farther.windows(2).filter(|pair| pair[0] != pair[1]).count();
+    let plus = farther.iter().filter(|&&sign| sign).count();
+    let chance = at_most_runs(runs, plus, farther.len() - plus);
+    let column = &experiment.inputs[input].column;
+    let of = if experiment.points.len() > 1 { "last point" } else { "point" };
+    if chance >= 0.05 {
+        return Some(format!(
+            "The residual is not shown to be systematic with {column}: {runs} runs of sign over {} rows \
+             (chance {chance:.2}).",
+            farther.len()
+        ));
+    }
+    let mut stretches: Vec<String> = Vec::new();
+    for run in split_runs(&farther) {
+        let (from, to) = (run.0, run.1);
+        let unit = &experiment.inputs[input].unit;
+        let show = |k: usize| format!("{}", (value(k) / unit.1 * 1e9).round() / 1e9);
+        let range = if from == to { show(from) } else { format!("{} to {}", show(from), show(to)) };
+        let way = if farther[from] { "farther" } else { "less" };
+        stretches.push(format!("{way} at {range} {}", unit.0));
+    }
+    Some(format!(
+        "The residual is systematic with {column}: the {of} moved {} than predicted ({runs} runs of sign over {} rows; \
+         chance alone gives so few in {:.1} % of cases). No change of reading would remove that; look for what the model \
+         lacks.",
+        stretches.join(", "),
+        farther.len(),
+        100.0 * chance
+    ))
+}
+
+/// With fewer rows no number of runs is improbable.
+const FEWEST_FOR_RUNS: usize = 6;
+
+fn same(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-12 * a.abs().max(b.abs())
+}
+
+/// First and last index of each run of equal signs.
+fn split_runs(signs: &[bool]) -> Vec<(usize, usize)> {
+    let mut runs = Vec::new();
+    let mut from = 0;
+    for k in 1..=signs.len() {
+        if k == signs.len() || signs[k] != signs[from] {
+            runs.push((from, k - 1));
+            from = k;
+        }
+    }
+    runs
+}
+
+/// Probability of at most `runs` runs among `plus` and `minus` signs in random order (Wald & Wolfowitz 1940).
+///
+/// ```text
+/// P(R = 2k) = 2 C(a-1, k-1) C(b-1, k-1) / C(a+b, a)
+/// P(R = 2k+1) = (C(a-1, k) C(b-1, k-1) + C(a-1, k-1) C(b-1, k)) / C(a+b, a)
+/// ```
+fn at_most_runs(runs: usize, plus: usize, minus: usize) -> f64 {
+    if plus == 0 || minus == 0 {
+        // one sign throughout: 2 of 2^n sequences of fair signs
+        return 2.0_f64.powi(1 - (plus + minus) as i32);
+    }
+    let (a, b) = (plus - 1, minus - 1);
+    let favourable: f64 = (2..=runs)
+        .map(|r| {
+            let k = r / 2;
+            if r % 2 == 0 {
+                2.0 * choose(a, k - 1) * choose(b, k - 1)
+            } else {
+                choose(a, k) * choose(b, k - 1) + choose(a, k - 1) * choose(b, k)
+            }
+        })
+        .sum();
+    favourable / choose(plus + minus, plus)
+}
+
+fn choose(n: usize, k: usize) -> f64 {
+    if k > n {
+        return 0.0;
+    }
+    (0..k).map(|i| (n - i) as f64 / (i + 1) as f64).product()
+}
+
+/// 95 % point of chi-square with `n` degrees of freedom (Wilson & Hilferty 1931; within 1 % for n >= 2).
+fn chi_square_95(n: f64) -> f64 {
+    let c = 2.0 / (9.0 * n);
+    n * (1.0 - c + 1.644_853_627 * c.sqrt()).powi(3)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Swed & Eisenhart 1943, table I: P(R <= 4) for 5 and 6 signs is 26 / 231 ... by direct count.
+    #[test]
+    fn runs_agree_with_counting_every_order() {
+        let (plus, minus) = (5, 4);
+        let n = plus + minus;
+        for limit in 1..=n {
+            let mut favourable = 0;
+            let mut all = 0;
+            for mask in 0..1_u32 << n {
+                if mask.count_ones() as usize != plus {
+                    continue;
+                }
+                all += 1;
+                let signs: Vec<bool> = (0..n).map(|i| mask >> i & 1 == 1).collect();
+                favourable += usize::from(split_runs(&signs).len() <= limit);
+            }
+            let counted = favourable as f64 / f64::from(all);
+            assert!((at_most_runs(limit, plus, minus) - counted).abs() < 1e-12, "{limit} runs");
+        }
+    }
+
+    #[test]
+    fn chi_square_agrees_with_its_table() {
+        // Abramowitz & Stegun, table 26.8
+        for (n, exact) in [(2.0, 5.99146), (10.0, 18.3070), (22.0, 33.9244), (100.0, 124.342)] {
+            assert!((chi_square_95(n) / exact - 1.0).abs() < 0.01, "{n}");
+        }
+    }
+}
