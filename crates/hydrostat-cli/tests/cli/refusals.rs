@@ -69,8 +69,14 @@ fn an_empty_file() {
 #[test]
 fn a_missing_column() {
     let header = header(&bench("column_header"));
-    let fewer = header.rsplit_once(',').unwrap().0;
-    refused_table("column", &format!("{fewer}\n"), &["try.csv", "column"]);
+    let (fewer, last) = header.rsplit_once(',').unwrap();
+    let row = vec!["12.7"; fewer.split(',').count()].join(",");
+    let name = last.split(" [").next().unwrap();
+    refused_table(
+        "column",
+        &format!("{fewer}\n{row}\n"),
+        &["try.csv", "column", name],
+    );
 }
 
 #[test]
