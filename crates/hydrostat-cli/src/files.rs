@@ -1,7 +1,8 @@
 //! Reads and writes files; every refusal names the file and the reason.
 
 use hydrostat::Error;
-use std::fs::{self, File};
+use hydrostat::description::templates;
+use std::fs;
 use std::io::{ErrorKind, Read, Write};
 use std::path::Path;
 
@@ -16,7 +17,7 @@ pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
         ErrorKind::PermissionDenied => Error::new(format!("no permission to read {name}")),
         _ => Error::new(format!("cannot read {name}: {error}")),
     };
-    let file = File::open(path).map_err(refused)?;
+    let file = fs::File::open(path).map_err(refused)?;
     if file.metadata().map_err(refused)?.is_dir() {
         return Err(Error::new(format!("{name} is a folder, expected a file")).hint("name a file inside it"));
     }
@@ -71,13 +72,13 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
 }
 
 /// Writes files that must not exist yet; on failure none of them is left.
-pub(crate) fn create_all(files: &[(String, String)]) -> Result<(), Error> {
-    for (i, (name, text)) in files.iter().enumerate() {
+pub(crate) fn create_all(files: &[templates::File]) -> Result<(), Error> {
+    for (i, templates::File { name, text }) in files.iter().enumerate() {
         let Err((made, error)) = write_new(Path::new(name), text.as_bytes()) else {
             continue;
         };
         let ours = if made { &files[..=i] } else { &files[..i] };
-        for (name, _) in ours {
+        for templates::File { name, .. } in ours {
             let _ = fs::remove_file(name);
         }
         return Err(match error.kind() {
@@ -106,6 +107,6 @@ pub(crate) fn make_folder(folder: &Path) -> Result<(), Error> {
 
 /// Writes a file that must not exist; an error says whether the file was made before it.
 fn write_new(path: &Path, bytes: &[u8]) -> Result<(), (bool, std::io::Error)> {
-    let mut file = File::create_new(path).map_err(|error| (false, error))?;
+    let mut file = fs::File::create_new(path).map_err(|error| (false, error))?;
     file.write_all(bytes).and_then(|()| file.sync_all()).map_err(|error| (true, error))
 }

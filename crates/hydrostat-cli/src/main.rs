@@ -9,7 +9,6 @@ mod comparison;
 mod files;
 mod json;
 mod new;
-mod pending;
 mod solve;
 mod summary;
 mod text;

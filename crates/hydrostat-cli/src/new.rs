@@ -1,8 +1,9 @@
 //! `hydrostat new`: commented starter files, never over existing ones.
 
-use crate::{Outcome, files, pending};
+use crate::{Outcome, files};
 use clap::ValueEnum;
 use hydrostat::Error;
+use hydrostat::description::templates;
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
@@ -26,11 +27,11 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
         return Err(Error::new(format!("\"{name}\" cannot name files: expected letters, digits, - and _")));
     }
     let (templates, next) = match args.what {
-        What::Rod => (pending::rod_template(name), "solve"),
-        What::Bench => (pending::bench_template(name), "verify"),
+        What::Rod => (vec![templates::rod(name)], "solve"),
+        What::Bench => (templates::bench(name).to_vec(), "verify"),
     };
     files::create_all(&templates)?;
-    let wrote: Vec<&str> = templates.iter().map(|(file, _)| file.as_str()).collect();
+    let wrote: Vec<&str> = templates.iter().map(|file| file.name.as_str()).collect();
     let stdout = format!("wrote {}; next: hydrostat {next} {name}.toml\n", wrote.join(", "));
     Ok(Outcome { stdout, passed: true })
 }

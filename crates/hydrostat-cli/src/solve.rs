@@ -1,7 +1,8 @@
 //! `hydrostat solve`: the shape of a robot under its loads.
 
-use crate::{Outcome, files, json, pending, summary, warn};
+use crate::{Outcome, files, json, summary, warn};
 use clap::ValueEnum;
+use hydrostat::description;
 use hydrostat::statics::{self, Settings};
 use hydrostat::{Equilibrium, Error, Robot};
 use std::path::{Path, PathBuf};
@@ -46,7 +47,7 @@ enum Method {
 
 pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
     let plot = args.plot.as_deref().map(|path| Ok((path, Format::of(path)?))).transpose()?;
-    let parsed = pending::parse_robot(&files::read_text(&args.robot)?, &args.robot.to_string_lossy())?;
+    let parsed = description::parse_robot(&files::read_text(&args.robot)?, &args.robot.to_string_lossy())?;
     warn(&parsed.warnings);
     let robot = parsed.value;
 
@@ -113,11 +114,13 @@ impl Format {
     }
 
     fn draw(self, robot: &Robot, shape: &Equilibrium) -> Result<Vec<u8>, Error> {
-        let svg = pending::shape_svg(robot, shape);
+        let svg = hydrostat_report::shape_svg(robot, shape);
         match self {
             Format::Svg => Ok(svg.into_bytes()),
             #[cfg(feature = "png")]
-            Format::Png => pending::svg_to_png(&svg, PNG_SCALE),
+            Format::Png => {
+                hydrostat_report::svg_to_png(&svg, PNG_SCALE).map_err(|error| Error::new(error.to_string()))
+            }
         }
     }
 }

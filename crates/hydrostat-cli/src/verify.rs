@@ -1,7 +1,8 @@
 //! `hydrostat verify`: the model against a measured bench.
 
-use crate::{Outcome, comparison, files, json, pending, warn};
+use crate::{Outcome, comparison, files, json, warn};
 use hydrostat::Error;
+use hydrostat::description::{self, Parsed, builtin};
 use hydrostat::statics::Settings;
 use hydrostat::verify::{Experiment, Verification, verify};
 use std::path::{Path, PathBuf};
@@ -42,16 +43,16 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
 }
 
 /// Reads an experiment and what it names, relative to its own folder; notes the names for the report.
-fn read(path: Option<&Path>, names: &mut Vec<String>) -> Result<pending::Parsed<Experiment>, Error> {
+fn read(path: Option<&Path>, names: &mut Vec<String>) -> Result<Parsed<Experiment>, Error> {
     let Some(path) = path else {
         names.push("the built-in bench of Gray 2009".to_owned());
-        return pending::built_in_experiment();
+        return builtin::experiment();
     };
     let text = files::read_text(path)?;
     let name = path.to_string_lossy().into_owned();
     names.push(name.clone());
     let folder = path.parent().unwrap_or(Path::new(""));
-    pending::parse_experiment(&text, &name, &mut |file| {
+    description::parse_experiment(&text, &name, &mut |file| {
         let linked = folder.join(file);
         names.push(linked.to_string_lossy().into_owned());
         files::read_text(&linked)
@@ -66,7 +67,7 @@ fn page(
 ) -> String {
     let arguments: Vec<String> =
         std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned()).collect();
-    let provenance = pending::Provenance {
+    let provenance = hydrostat_report::Provenance {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         method: "special Cosserat rod, multiple shooting".to_owned(),
         tolerance: settings.tolerance,
@@ -74,5 +75,5 @@ fn page(
         command: Some(format!("hydrostat {}", arguments.join(" "))),
         date: None, // the same input gives the same page
     };
-    pending::verification_page(experiment, verification, &provenance)
+    hydrostat_report::verification_page(experiment, verification, &provenance)
 }

@@ -72,11 +72,7 @@ fn a_missing_column() {
     let (fewer, last) = header.rsplit_once(',').unwrap();
     let row = vec!["12.7"; fewer.split(',').count()].join(",");
     let name = last.split(" [").next().unwrap();
-    refused_table(
-        "column",
-        &format!("{fewer}\n{row}\n"),
-        &["try.csv", "column", name],
-    );
+    refused_table("column", &format!("{fewer}\n{row}\n"), &["try.csv", "column", name]);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! What the source printed, held against its own data and against the model.
 
-use super::{Experiment, Published, Row, VerifiedRow};
+use super::{Experiment, Published, VerifiedRow};
 use crate::Error;
 use crate::statics::Settings;
 use nalgebra::{DMatrix, DVector, Vector3};
