@@ -54,7 +54,7 @@ pub(crate) fn error_svg(experiment: &Experiment, verification: &Verification) ->
             .map(|p| p.reading_error)
             .fold(0.0, f64::max);
 
-    let (left, top, width, height) = (44.0, 40.0, 400.0, 262.0);
+    let (left, top, width, height) = (44.0, 40.0, 366.0, 262.0);
     let frame = Rect::new(left, top, left + width, top + height);
     let finite = |v: &f64| v.is_finite();
     let high = model
@@ -263,7 +263,7 @@ pub(crate) fn residual_svg(
         .iter()
         .map(|(_, _, d)| d[0].abs().max(d[1].abs()))
         .fold(1.3 * reading, f64::max);
-    let step = nice_step(if most > 0.0 { most / 3.2 } else { 0.2 });
+    let step = nice_step(if most > 0.0 { most / 4.5 } else { 0.2 });
     let reach = (most / step + 0.35).ceil().max(1.0) * step;
 
     let (left, top, side) = (44.0, 40.0, 262.0);
@@ -311,9 +311,15 @@ pub(crate) fn residual_svg(
     let level = format!("{} in mm", AXES[plane.right]);
     page.text([centre[0], frame.y1 + 34.0], Anchor::Middle, NAME, &level);
 
+    // one varied input fits beside a dot; otherwise the number of the row
+    let short_names = match experiment.inputs.len() {
+        1 => names.to_vec(),
+        _ => (1..=verification.rows.len()).map(|i| i.to_string()).collect(),
+    };
+
     // arrows from the prediction, which is the middle
     let mut obstacles = Obstacles {
-        within: Some(frame),
+        within: Some(frame.grown(-3.0)),
         ..Obstacles::default()
     };
     let mut wanted = Vec::new();
@@ -324,9 +330,9 @@ pub(crate) fn residual_svg(
         page.circle(p, 3.2, ACCENT, None);
         obstacles.boxes.push(Rect::centred(p, 8.0, 8.0));
         obstacles.lines.push((centre, p));
-        if k % every == 0 {
+        if k % every == 0 || experiment.inputs.len() != 1 && residuals.len() <= 60 {
             let prefer = [p[0] - centre[0], p[1] - centre[1] + 1e-6];
-            let text = names.get(*i).cloned().unwrap_or_default();
+            let text = short_names.get(*i).cloned().unwrap_or_default();
             wanted.push(Label {
                 at: p,
                 prefer,

@@ -38,10 +38,11 @@ pub fn shape_svg(robot: &Robot, equilibrium: &Equilibrium) -> String {
     ];
 
     // panels of one height
-    let mut frames = scenes.each_ref().map(|s| {
-        s.bounds
-            .grown(16.0)
-            .at_least(SMALLEST_PANEL[0], SMALLEST_PANEL[1])
+    let mut frames = [0, 1].map(|i| {
+        let least = SMALLEST_PANEL[0]
+            .max(heading_width(&views[i]))
+            .max(BODY.width(&axis_name(&views[i].right)) + 72.0);
+        scenes[i].bounds.grown(16.0).at_least(least, SMALLEST_PANEL[1])
     });
     let (top, bottom) = (frames[0].y0.min(frames[1].y0), frames[0].y1.max(frames[1].y1));
     for frame in &mut frames {
@@ -274,7 +275,7 @@ fn panel(page: &mut Canvas, view: &View, shape: &Shape, frame: &Rect, origin: P,
     page.rect(Rect::new(x0, y0, x1, y1), "none", Some(Pen::new(GRID_HEAVY, 1.0)));
 
     // names of the axes, with arrows towards growing numbers
-    let name = format!("{} in mm", view.right.name);
+    let name = axis_name(&view.right);
     let centre = (x0 + x1) / 2.0;
     let half = BODY.width(&name) / 2.0;
     page.text([centre, y1 + 35.0], Anchor::Middle, BODY, &name);
@@ -285,12 +286,20 @@ fn panel(page: &mut Canvas, view: &View, shape: &Shape, frame: &Rect, origin: P,
     page.arrow([tail, y1 + 31.0], [head, y1 + 31.0], Pen::new(MUTED, 1.1), 6.0);
 }
 
+fn axis_name(axis: &Axis) -> String {
+    format!("{} in mm", axis.name)
+}
+
+fn heading_width(view: &View) -> f64 {
+    Type::bold(14.0, INK).width(view.title) + 24.0 + BODY.width(&axis_name(&view.up)) + 34.0
+}
+
 /// Above a panel: the view's name, the vertical axis, gravity.
 fn heading(page: &mut Canvas, robot: &Robot, view: &View, area: Rect) {
     let base = area.y1 - 11.0;
     page.text([area.x0, base], Anchor::Start, Type::bold(14.0, INK), view.title);
     let after = area.x0 + Type::bold(14.0, INK).width(view.title) + 12.0;
-    let up = format!("{} in mm", view.up.name);
+    let up = axis_name(&view.up);
     page.text([after + 12.0, base], Anchor::Start, BODY, &up);
     let (low, high) = (base + 2.0, base - 13.0);
     let (from, to) = if view.up.sign > 0.0 {

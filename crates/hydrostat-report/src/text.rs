@@ -116,16 +116,19 @@ pub(crate) fn mass(kg: f64) -> String {
     }
 }
 
-/// Decimals that show every value of a column exactly, four at most.
+/// Decimals that show every value of a column exactly, three at most; where that is not possible, enough for a
+/// thousandth of the largest.
 pub(crate) fn decimals_of(values: impl Iterator<Item = f64> + Clone) -> usize {
-    (0..4)
-        .find(|&d| {
-            let scale = 10f64.powi(d as i32);
-            values
-                .clone()
-                .all(|x| !x.is_finite() || (x * scale - (x * scale).round()).abs() < 1e-6 * scale)
-        })
-        .unwrap_or(4)
+    let values = values.filter(|x| x.is_finite());
+    let most = values.clone().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let fits = |d: i32, slack: f64| {
+        let scale = 10f64.powi(d);
+        values
+            .clone()
+            .all(|x| (x * scale - (x * scale).round()).abs() <= slack * most * scale)
+    };
+    let exact = (0..=3).find(|&d| fits(d, 1e-9));
+    exact.or_else(|| (0..=6).find(|&d| fits(d, 1e-3))).unwrap_or(6) as usize
 }
 
 /// Lines no wider than `room`, broken at spaces where possible.
@@ -176,6 +179,7 @@ mod tests {
         assert_eq!(prefixed(-0.2, "N"), "\u{2212}200 mN");
         assert_eq!(mass(0.0138), "13.8 g");
         assert_eq!(decimals_of([0.0, 13.8, 16.9].into_iter()), 1);
+        assert_eq!(decimals_of([0.0, 20.053522829].into_iter()), 2);
     }
 
     #[test]
