@@ -3,7 +3,7 @@
 use crate::draw::{ACCENT, Anchor, Canvas, GRID, GRID_HEAVY, INK, MUTED, P, Pen, Rect, SECOND, Type, WHITE};
 use crate::labels::{self, Label, Obstacles};
 use crate::overlay::{AXES, CONSTANT_CURVATURE, Plane, along};
-use crate::text::{decimals_of, fixed};
+use crate::text::{self, decimals_of, fit, fixed};
 use crate::ticks::{decimals, nice_step, ticks};
 use hydrostat::verify::{Experiment, Verification};
 
@@ -98,9 +98,15 @@ pub(crate) fn error_svg(experiment: &Experiment, verification: &Verification) ->
             &fixed(y, decimals(step_y)),
         );
     }
+    let mut free_from = 0.0;
     for x in ticks(low_x, high_x, step_x) {
         let px = at([x, 0.0])[0];
         grid.push(([px, frame.y0], [px, frame.y1]));
+        let half = SMALL.width(&fixed(x, decimals(step_x))) / 2.0;
+        if px - half < free_from {
+            continue;
+        }
+        free_from = px + half + 5.0;
         page.text(
             [px, frame.y1 + 16.0],
             Anchor::Middle,
@@ -115,7 +121,7 @@ pub(crate) fn error_svg(experiment: &Experiment, verification: &Verification) ->
         [(frame.x0 + frame.x1) / 2.0, frame.y1 + 34.0],
         Anchor::Middle,
         NAME,
-        &x_name,
+        &fit(&x_name, width, |s| NAME.width(s)),
     );
 
     for points in &constant {
@@ -311,12 +317,6 @@ pub(crate) fn residual_svg(
     let level = format!("{} in mm", AXES[plane.right]);
     page.text([centre[0], frame.y1 + 34.0], Anchor::Middle, NAME, &level);
 
-    // one varied input fits beside a dot; otherwise the number of the row
-    let short_names = match experiment.inputs.len() {
-        1 => names.to_vec(),
-        _ => (1..=verification.rows.len()).map(|i| i.to_string()).collect(),
-    };
-
     // arrows from the prediction, which is the middle
     let mut obstacles = Obstacles {
         within: Some(frame.grown(-3.0)),
@@ -332,7 +332,7 @@ pub(crate) fn residual_svg(
         obstacles.lines.push((centre, p));
         if k % every == 0 || experiment.inputs.len() != 1 && residuals.len() <= 60 {
             let prefer = [p[0] - centre[0], p[1] - centre[1] + 1e-6];
-            let text = short_names.get(*i).cloned().unwrap_or_default();
+            let text = names.get(*i).cloned().unwrap_or_default();
             wanted.push(Label {
                 at: p,
                 prefer,
@@ -346,30 +346,22 @@ pub(crate) fn residual_svg(
     page.finish(width, frame.y1 + 42.0, "Residual vectors")
 }
 
-/// What distinguishes the rows: the varied inputs, or their numbers.
+/// What labels the rows: the varied input where there is one, else the row's number.
 pub(crate) fn row_names(experiment: &Experiment, verification: &Verification) -> Vec<String> {
-    let columns: Vec<(usize, f64, &str)> = experiment
-        .inputs
-        .iter()
-        .enumerate()
-        .map(|(k, input)| {
-            let values = verification
-                .rows
-                .iter()
-                .map(move |r| r.inputs.get(k).copied().unwrap_or(f64::NAN) / input.unit.1);
-            (decimals_of(values), input.unit.1, input.unit.0.as_str())
-        })
-        .collect();
-    let name = |(i, row): (usize, &hydrostat::verify::VerifiedRow)| {
-        if columns.is_empty() {
-            return format!("row {}", i + 1);
-        }
-        let parts = row
-            .inputs
-            .iter()
-            .zip(&columns)
-            .map(|(x, (d, size, unit))| format!("{} {unit}", fixed(x / size, *d)));
-        parts.collect::<Vec<_>>().join(", ").trim_end().to_owned()
+    let rows = &verification.rows;
+    let [input] = experiment.inputs.as_slice() else {
+        return (1..=rows.len()).map(|i| i.to_string()).collect();
     };
-    verification.rows.iter().enumerate().map(name).collect()
+    let (unit, size) = &input.unit;
+    let values = rows
+        .iter()
+        .map(|r| r.inputs.first().copied().unwrap_or(f64::NAN) / size);
+    let digits = decimals_of(values.clone());
+    values
+        .map(|x| {
+            fit(format!("{} {unit}", fixed(x, digits)).trim_end(), 110.0, |s| {
+                text::width(s, 11.0)
+            })
+        })
+        .collect()
 }

@@ -17,6 +17,7 @@ const MARGIN: f64 = 28.0;
 const ROOM: [f64; 2] = [700.0, 470.0];
 const GAP: f64 = 34.0;
 const SMALLEST_PANEL: [f64; 2] = [190.0, 170.0];
+const SMALLEST_PAGE: f64 = 640.0;
 const HEADING: f64 = 34.0;
 const BODY: Type = Type::new(13.0, INK);
 const SMALL: Type = Type::new(12.0, MUTED);
@@ -59,8 +60,13 @@ pub fn shape_svg(robot: &Robot, equilibrium: &Equilibrium) -> String {
         .fold(20.0, f64::max);
     let left = MARGIN + widest + 10.0;
 
-    // the page, from the top down
-    let width = (left + frames[0].width() + GAP + frames[1].width() + MARGIN).max(620.0);
+    // the page, from the top down; narrow views share what is left
+    let taken = |frames: &[Rect; 2]| left + frames[0].width() + GAP + frames[1].width() + MARGIN;
+    let spare = (SMALLEST_PAGE - taken(&frames)).max(0.0);
+    for frame in &mut frames {
+        (frame.x0, frame.x1) = (frame.x0 - 0.25 * spare, frame.x1 + 0.25 * spare);
+    }
+    let width = taken(&frames);
     let mut page = Canvas::new();
     let mut y = header(&mut page, robot, equilibrium, width);
     y += HEADING + 6.0;

@@ -131,6 +131,22 @@ pub(crate) fn decimals_of(values: impl Iterator<Item = f64> + Clone) -> usize {
     exact.or_else(|| (0..=6).find(|&d| fits(d, 1e-3))).unwrap_or(6) as usize
 }
 
+/// The text, cut with an ellipsis where it is wider than `room`.
+pub(crate) fn fit(s: &str, room: f64, width: impl Fn(&str) -> f64) -> String {
+    if width(s) <= room {
+        return s.to_owned();
+    }
+    let mut cut = String::new();
+    for c in s.chars() {
+        cut.push(c);
+        if width(&cut) + width("…") > room {
+            cut.pop();
+            break;
+        }
+    }
+    cut.trim_end().to_owned() + "…"
+}
+
 /// Lines no wider than `room`, broken at spaces where possible.
 pub(crate) fn wrap(s: &str, room: f64, width: impl Fn(&str) -> f64) -> Vec<String> {
     let mut lines = Vec::new();

@@ -155,47 +155,81 @@ fn degenerate_benches_are_printed() {
     });
 }
 
-/// No text of a drawing meets another one; widths as the crate estimates them, in Roboto.
+/// Widths as an average of Roboto.
+fn texts_are_apart(name: &str, svg: &str) {
+    let document = roxmltree::Document::parse(svg).unwrap();
+    let number = |n: &roxmltree::Node, a: &str| n.attribute(a).unwrap().parse::<f64>().unwrap();
+    let root = document.root_element();
+    let (width, height) = (number(&root, "width"), number(&root, "height"));
+    let mut boxes: Vec<([f64; 4], String)> = Vec::new();
+    for text in document.descendants().filter(|n| n.has_tag_name("text")) {
+        let mut at = [number(&text, "x"), number(&text, "y")];
+        for group in text.ancestors().filter(|n| n.has_tag_name("g")) {
+            let inner = group.attribute("transform").unwrap();
+            let inner = inner.trim_start_matches("translate(").trim_end_matches(')');
+            for (x, d) in at.iter_mut().zip(inner.split(' ')) {
+                *x += d.parse::<f64>().unwrap();
+            }
+        }
+        let words = text.text().unwrap().to_owned();
+        let size = number(&text, "font-size");
+        let wide = |c: char| c.is_ascii_digit() || c.is_uppercase();
+        let w: f64 = words
+            .chars()
+            .map(|c| size * if wide(c) { 0.57 } else { 0.47 })
+            .sum();
+        let left = match text.attribute("text-anchor") {
+            Some("middle") => at[0] - w / 2.0,
+            Some("end") => at[0] - w,
+            _ => at[0],
+        };
+        let b = [left, at[1] - 0.75 * size, left + w, at[1] + 0.2 * size];
+        assert!(
+            b[0] > 0.0 && b[1] > 0.0 && b[2] < width && b[3] < height,
+            "{name}: {words:?} is cut"
+        );
+        for (c, other) in &boxes {
+            let apart = b[0] >= c[2] || c[0] >= b[2] || b[1] >= c[3] || c[1] >= b[3];
+            assert!(apart, "{name}: {words:?} on {other:?}");
+        }
+        boxes.push((b, words));
+    }
+}
+
+fn drawings(html: &str) -> Vec<String> {
+    html.split("<svg ")
+        .skip(1)
+        .map(|s| format!("<svg {}", &s[..s.find("</svg>").unwrap() + 6]))
+        .collect()
+}
+
 #[test]
 fn texts_do_not_overlap_or_leave_the_page() {
-    for (name, robot, equilibrium) in synthetic::gallery() {
-        let svg = shape_svg(&robot, &equilibrium);
-        let document = roxmltree::Document::parse(&svg).unwrap();
-        let number = |n: &roxmltree::Node, a: &str| n.attribute(a).unwrap().parse::<f64>().unwrap();
-        let root = document.root_element();
-        let (width, height) = (number(&root, "width"), number(&root, "height"));
-        let mut boxes: Vec<([f64; 4], String)> = Vec::new();
-        for text in document.descendants().filter(|n| n.has_tag_name("text")) {
-            let mut at = [number(&text, "x"), number(&text, "y")];
-            for group in text.ancestors().filter(|n| n.has_tag_name("g")) {
-                let inner = group
-                    .attribute("transform")
-                    .unwrap()
-                    .trim_start_matches("translate(")
-                    .trim_end_matches(')');
-                for (x, d) in at.iter_mut().zip(inner.split(' ')) {
-                    *x += d.parse::<f64>().unwrap();
-                }
+    for (name, mut robot, equilibrium) in synthetic::gallery() {
+        texts_are_apart(name, &shape_svg(&robot, &equilibrium));
+        robot
+            .loads
+            .iter_mut()
+            .for_each(|load| load.name = Some("a load with a long name".into()));
+        robot.name = "A robot whose name fills more than one line of this drawing, and ".repeat(3);
+        texts_are_apart(name, &shape_svg(&robot, &equilibrium));
+    }
+    for (name, (experiment, verification)) in synthetic::benches() {
+        let draw = |change: &dyn Fn(&mut Experiment, &mut Verification)| {
+            let (mut experiment, mut verification) = (experiment.clone(), verification.clone());
+            change(&mut experiment, &mut verification);
+            for svg in drawings(&page(&experiment, &verification)) {
+                texts_are_apart(name, &svg);
             }
-            let words = text.text().unwrap().to_owned();
-            let size = number(&text, "font-size");
-            let w = 0.52 * size * words.chars().count() as f64;
-            let left = match text.attribute("text-anchor") {
-                Some("middle") => at[0] - w / 2.0,
-                Some("end") => at[0] - w,
-                _ => at[0],
-            };
-            let b = [left, at[1] - 0.75 * size, left + w, at[1] + 0.2 * size];
-            assert!(
-                b[0] > 0.0 && b[1] > 0.0 && b[2] < width && b[3] < height,
-                "{name}: {words:?} is cut"
-            );
-            for (c, other) in &boxes {
-                let apart = b[0] >= c[2] || c[0] >= b[2] || b[1] >= c[3] || c[1] >= b[3];
-                assert!(apart, "{name}: {words:?} on {other:?}");
-            }
-            boxes.push((b, words));
-        }
+        };
+        draw(&|_, _| ());
+        draw(&|_, b| b.rows.extend(b.rows.clone()));
+        draw(&|a, _| a.inputs.iter_mut().for_each(|i| i.unit = ("ng".into(), 1e-12)));
+        draw(&|a, _| {
+            a.inputs
+                .iter_mut()
+                .for_each(|i| i.column = "a very long name of a column ".repeat(4))
+        });
     }
 }
 
@@ -232,14 +266,10 @@ mod png {
     fn drawings_of_a_page_become_pictures() {
         let (experiment, verification) = synthetic::spatial();
         let html = page(&experiment, &verification);
-        let drawings: Vec<&str> = html
-            .split("<svg ")
-            .skip(1)
-            .map(|s| &s[..s.find("</svg>").unwrap() + 6])
-            .collect();
+        let drawings = drawings(&html);
         assert_eq!(drawings.len(), 5);
         for drawing in drawings {
-            svg_to_png(&format!("<svg {drawing}"), 1.0).unwrap();
+            svg_to_png(&drawing, 1.0).unwrap();
         }
     }
 
