@@ -3,7 +3,7 @@
 use crate::draw::{ACCENT, Anchor, Canvas, GRID, GRID_HEAVY, INK, MUTED, P, Pen, Rect, SECOND, Type, WHITE};
 use crate::labels::{self, Label, Obstacles};
 use crate::overlay::{AXES, CONSTANT_CURVATURE, Plane, along};
-use crate::text::{decimals_of, fixed};
+use crate::text::{self, decimals_of, fit, fixed};
 use crate::ticks::{decimals, nice_step, ticks};
 use hydrostat::verify::{Experiment, Verification};
 
@@ -41,7 +41,7 @@ pub(crate) fn error_svg(experiment: &Experiment, verification: &Verification) ->
         .collect();
     let reading = 1e3 * experiment.points.iter().map(|p| p.reading_error).fold(0.0, f64::max);
 
-    let (left, top, width, height) = (44.0, 40.0, 400.0, 262.0);
+    let (left, top, width, height) = (44.0, 40.0, 366.0, 262.0);
     let frame = Rect::new(left, top, left + width, top + height);
     let finite = |v: &f64| v.is_finite();
     let high =
@@ -68,15 +68,26 @@ pub(crate) fn error_svg(experiment: &Experiment, verification: &Verification) ->
         grid.push(([frame.x0, py], [frame.x1, py]));
         page.text([frame.x0 - 7.0, py + 4.0], Anchor::End, SMALL, &fixed(y, decimals(step_y)));
     }
+    let mut free_from = 0.0;
     for x in ticks(low_x, high_x, step_x) {
         let px = at([x, 0.0])[0];
         grid.push(([px, frame.y0], [px, frame.y1]));
+        let half = SMALL.width(&fixed(x, decimals(step_x))) / 2.0;
+        if px - half < free_from {
+            continue;
+        }
+        free_from = px + half + 5.0;
         page.text([px, frame.y1 + 16.0], Anchor::Middle, SMALL, &fixed(x, decimals(step_x)));
     }
     page.hairlines(&grid, Pen::new(GRID, 1.0));
     page.rect(frame, "none", Some(Pen::new(GRID_HEAVY, 1.0)));
     page.text([frame.x0, frame.y0 - 26.0], Anchor::Start, NAME, "error in mm");
-    page.text([(frame.x0 + frame.x1) / 2.0, frame.y1 + 34.0], Anchor::Middle, NAME, &x_name);
+    page.text(
+        [(frame.x0 + frame.x1) / 2.0, frame.y1 + 34.0],
+        Anchor::Middle,
+        NAME,
+        &fit(&x_name, width, |s| NAME.width(s)),
+    );
 
     for points in &constant {
         let points: Vec<P> = points.iter().map(|p| at(*p)).collect();
@@ -190,7 +201,7 @@ pub(crate) fn residual_svg(
     }
     let reading = 1e3 * experiment.points.iter().map(|p| p.reading_error).fold(0.0, f64::max);
     let most = residuals.iter().map(|(_, _, d)| d[0].abs().max(d[1].abs())).fold(1.3 * reading, f64::max);
-    let step = nice_step(if most > 0.0 { most / 3.2 } else { 0.2 });
+    let step = nice_step(if most > 0.0 { most / 4.5 } else { 0.2 });
     let reach = (most / step + 0.35).ceil().max(1.0) * step;
 
     let (left, top, side) = (44.0, 40.0, 262.0);
@@ -222,7 +233,7 @@ pub(crate) fn residual_svg(
     page.text([centre[0], frame.y1 + 34.0], Anchor::Middle, NAME, &level);
 
     // arrows from the prediction, which is the middle
-    let mut obstacles = Obstacles { within: Some(frame), ..Obstacles::default() };
+    let mut obstacles = Obstacles { within: Some(frame.grown(-3.0)), ..Obstacles::default() };
     let mut wanted = Vec::new();
     let every = residuals.len().div_ceil(LABELS).max(1);
     for (k, (i, _, d)) in residuals.iter().enumerate() {
@@ -231,7 +242,7 @@ pub(crate) fn residual_svg(
         page.circle(p, 3.2, ACCENT, None);
         obstacles.boxes.push(Rect::centred(p, 8.0, 8.0));
         obstacles.lines.push((centre, p));
-        if k % every == 0 {
+        if k % every == 0 || experiment.inputs.len() != 1 && residuals.len() <= 60 {
             let prefer = [p[0] - centre[0], p[1] - centre[1] + 1e-6];
             let text = names.get(*i).cloned().unwrap_or_default();
             wanted.push(Label { at: p, prefer, text, style: Type::new(10.5, INK) });
@@ -242,30 +253,16 @@ pub(crate) fn residual_svg(
     page.finish(width, frame.y1 + 42.0, "Residual vectors")
 }
 
-/// What distinguishes the rows: the varied inputs, or their numbers.
+/// What labels the rows: the varied input where there is one, else the row's number.
 pub(crate) fn row_names(experiment: &Experiment, verification: &Verification) -> Vec<String> {
-    let columns: Vec<(usize, f64, &str)> = experiment
-        .inputs
-        .iter()
-        .enumerate()
-        .map(|(k, input)| {
-            let values = verification
-                .rows
-                .iter()
-                .map(move |r| r.inputs.get(k).copied().unwrap_or(f64::NAN) / input.unit.1);
-            (decimals_of(values), input.unit.1, input.unit.0.as_str())
-        })
-        .collect();
-    let name = |(i, row): (usize, &hydrostat::verify::VerifiedRow)| {
-        if columns.is_empty() {
-            return format!("row {}", i + 1);
-        }
-        let parts = row
-            .inputs
-            .iter()
-            .zip(&columns)
-            .map(|(x, (d, size, unit))| format!("{} {unit}", fixed(x / size, *d)));
-        parts.collect::<Vec<_>>().join(", ").trim_end().to_owned()
+    let rows = &verification.rows;
+    let [input] = experiment.inputs.as_slice() else {
+        return (1..=rows.len()).map(|i| i.to_string()).collect();
     };
-    verification.rows.iter().enumerate().map(name).collect()
+    let (unit, size) = &input.unit;
+    let values = rows.iter().map(|r| r.inputs.first().copied().unwrap_or(f64::NAN) / size);
+    let digits = decimals_of(values.clone());
+    values
+        .map(|x| fit(format!("{} {unit}", fixed(x, digits)).trim_end(), 110.0, |s| text::width(s, 11.0)))
+        .collect()
 }

@@ -1,6 +1,6 @@
 //! Finds room for labels: never on another label, on lines as little as possible.
 
-use crate::draw::{Anchor, Canvas, P, Pen, Rect, Type, WHITE};
+use crate::draw::{Anchor, Canvas, INK, MUTED, P, Pen, Rect, Type, WHITE};
 use std::f64::consts::TAU;
 
 /// A text that belongs to a point.
@@ -40,7 +40,8 @@ pub(crate) fn place(canvas: &mut Canvas, obstacles: &mut Obstacles, labels: &[La
             let t = 7.0 / gap;
             let start =
                 [label.at[0] + t * (edge[0] - label.at[0]), label.at[1] + t * (edge[1] - label.at[1])];
-            canvas.line(start, edge, Pen::new(label.style.colour, 0.6));
+            let colour = if label.style.colour == INK { MUTED } else { label.style.colour };
+            canvas.line(start, edge, Pen::new(colour, 0.6));
             obstacles.lines.push((label.at, edge));
         }
         canvas.rect(spot, WHITE, None);
@@ -107,7 +108,6 @@ fn crosses(a: P, b: P, r: &Rect) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::draw::INK;
 
     #[test]
     fn labels_of_one_point_never_overlap() {

@@ -2,7 +2,7 @@
 
 use crate::draw::{ACCENT, Anchor, Canvas, GRID_HEAVY, INK, MUTED, P, Pen, Rect, SECOND, Type};
 use crate::labels::{self, Label, Obstacles};
-use crate::text::fixed;
+use crate::text::{fixed, millimetres};
 use crate::ticks::{decimals, nice_step, ticks};
 use hydrostat::verify::{Experiment, PointError, Verification, VerifiedRow};
 use nalgebra::Vector3;
@@ -30,10 +30,6 @@ pub(crate) const AXES: [&str; 3] = ["x", "y", "z"];
 impl Plane {
     fn on_page(&self, p: &Vector3<f64>, scale: f64) -> P {
         [scale * p[self.right], -scale * self.up_sign * p[self.up]]
-    }
-
-    pub(crate) fn shows(&self, axis: usize) -> bool {
-        self.right == axis || self.up == axis
     }
 }
 
@@ -90,14 +86,26 @@ pub(crate) fn observed(
     p
 }
 
-/// Draws all rows in one plane of the bench; `names` label the rows.
-pub(crate) fn shapes_svg(
+/// Draws all rows in each plane of the bench, to one scale; `names` label the rows.
+pub(crate) fn shapes_svgs(
     experiment: &Experiment,
     verification: &Verification,
-    plane: Plane,
+    planes: &[Plane],
     names: &[String],
-) -> String {
-    // the region, in m
+) -> Vec<String> {
+    let mut extents: Vec<Rect> = planes.iter().map(|&p| extent(experiment, verification, p)).collect();
+    let low = extents.iter().map(|e| e.y1).fold(f64::NEG_INFINITY, f64::max);
+    let high = extents.iter().map(|e| e.y0).fold(f64::INFINITY, f64::min);
+    extents.iter_mut().for_each(|e| (e.y0, e.y1) = (high, low));
+    let widths: f64 = extents.iter().map(Rect::width).sum();
+    let scale = ((ROOM[0] - 130.0 * (planes.len() as f64 - 1.0)) / widths).min(ROOM[1] / (low - high));
+    let scale = if scale.is_finite() && scale > 0.0 { scale } else { 1000.0 };
+    let planes = planes.iter().zip(extents);
+    planes.map(|(&plane, extent)| shapes_svg(experiment, verification, plane, extent, scale, names)).collect()
+}
+
+/// The region that one plane shows, m, with down as on the page.
+fn extent(experiment: &Experiment, verification: &Verification, plane: Plane) -> Rect {
     let mut extent = Rect::EMPTY;
     extent.include([0.0, 0.0]);
     for row in &verification.rows {
@@ -107,9 +115,19 @@ pub(crate) fn shapes_svg(
         }
     }
     let length = experiment.robot.length();
-    let extent = extent.at_least(0.25 * length, 0.2 * length);
-    let scale = (ROOM[0] / extent.width()).min(ROOM[1] / extent.height());
-    let scale = if scale.is_finite() && scale > 0.0 { scale } else { 1000.0 };
+    extent.at_least(0.25 * length, 0.2 * length)
+}
+
+/// One plane: predicted shapes solid, constant curvature dashed, observations as crosses.
+fn shapes_svg(
+    experiment: &Experiment,
+    verification: &Verification,
+    plane: Plane,
+    extent: Rect,
+    scale: f64,
+    names: &[String],
+) -> String {
+    let length = experiment.robot.length();
 
     // the drawing, in px from the bench's origin
     let mut scene = Canvas::new();
@@ -137,7 +155,9 @@ pub(crate) fn shapes_svg(
             }
         }
     }
-    obstacles.lines.clone_from(&scene.segments);
+    // enough of the lines to keep labels off them
+    let every = scene.segments.len().div_ceil(4000).max(1);
+    obstacles.lines.extend(scene.segments.iter().step_by(every));
     labels::place(&mut scene, &mut obstacles, &wanted);
 
     // the paper: whole heavy squares around the drawing
@@ -145,7 +165,8 @@ pub(crate) fn shapes_svg(
     let fine = if scale * 1e-3 > 40.0 { 1e-4 } else { fine };
     let heavy = 10.0 * fine;
     let square = heavy * scale;
-    let b = scene.bounds.grown(8.0);
+    let mut b = scene.bounds.grown(8.0);
+    b.unite(Rect::new(extent.x0 * scale, extent.y0 * scale, extent.x1 * scale, extent.y1 * scale));
     let frame = Rect::new(
         (b.x0 / square).floor() * square,
         (b.y0 / square).floor() * square,
@@ -179,16 +200,25 @@ fn numbers(page: &mut Canvas, plane: Plane, frame: Rect, origin: P, scale: f64, 
     let (y0, y1) = (frame.y0 + origin[1], frame.y1 + origin[1]);
     page.rect(Rect::new(x0, y0, x1, y1), "none", Some(Pen::new(GRID_HEAVY, 1.0)));
     let step = nice_step((40.0 / scale).max(heavy));
-    let digits = decimals(1e3 * step);
     for x in ticks(frame.x0 / scale, frame.x1 / scale, step) {
         let px = x * scale + origin[0];
         page.line([px, y1], [px, y1 + 4.0], Pen::new(MUTED, 1.0));
-        page.text([px, y1 + 16.0], Anchor::Middle, SMALL, &fixed(1e3 * x, digits));
+        page.text([px, y1 + 16.0], Anchor::Middle, SMALL, &fixed(1e3 * x, decimals(1e3 * step)));
     }
+    let step = nice_step((24.0 / scale).max(heavy));
     for up in ticks(-frame.y1 / scale, -frame.y0 / scale, step) {
         let py = origin[1] - up * scale;
         page.line([x0 - 4.0, py], [x0, py], Pen::new(MUTED, 1.0));
-        page.text([x0 - 7.0, py + 4.0], Anchor::End, SMALL, &fixed(1e3 * up * plane.up_sign, digits));
+        page.text(
+            [x0 - 7.0, py + 4.0],
+            Anchor::End,
+            SMALL,
+            &fixed(1e3 * up * plane.up_sign, decimals(1e3 * step)),
+        );
+    }
+    let lines = format!("lines every {}, heavy every {}", millimetres(0.1 * heavy), millimetres(heavy));
+    if frame.width() > 260.0 {
+        page.text([x1, y0 - 9.0], Anchor::End, SMALL, &lines);
     }
     let name = Type::new(12.0, INK);
     page.text([(x0 + x1) / 2.0, y1 + 33.0], Anchor::Middle, name, &format!("{} in mm", AXES[plane.right]));

@@ -2,7 +2,7 @@
 
 use crate::chart::{error_svg, residual_svg, row_names};
 use crate::describe;
-use crate::overlay::{AXES, planes, shapes_svg};
+use crate::overlay::{AXES, planes, shapes_svgs};
 use crate::text::{decimals_of, fixed, millimetres, short, significant};
 use hydrostat::verify::{Experiment, Summary, Verification};
 use minijinja::{Environment, Value, context};
@@ -35,7 +35,7 @@ pub fn verification_page(
     let planes = planes(experiment, verification);
     let svg = |s: String| Value::from_safe_string(s);
     let drawings: Vec<Value> =
-        planes.iter().map(|&p| svg(shapes_svg(experiment, verification, p, &names))).collect();
+        shapes_svgs(experiment, verification, &planes, &names).into_iter().map(svg).collect();
     let read = |axis| experiment.points.iter().any(|p| p.axes.contains(&axis));
     let residuals: Vec<Value> = planes
         .iter()
@@ -45,8 +45,9 @@ pub fn verification_page(
 
     let several_points = experiment.points.len() > 1;
     let axes: Vec<usize> = (0..3).filter(|&a| read(a)).collect();
-    let input_heads: Vec<String> =
-        experiment.inputs.iter().map(|i| with_unit(&i.column, &i.unit.0)).collect();
+    let row_head = numbered(experiment).then(|| "row".to_owned());
+    let units = experiment.inputs.iter().map(|i| with_unit(&i.column, &i.unit.0));
+    let input_heads: Vec<String> = row_head.into_iter().chain(units).collect();
     let published = experiment.published.iter().flat_map(|p| &p.mean_errors);
     let published =
         published.map(|(what, m)| format!("{what} {}", millimetres(*m))).collect::<Vec<_>>().join("; ");
@@ -56,9 +57,9 @@ pub fn verification_page(
         verdict => verification.verdict.clone(),
         numbers => headline(&verification.model),
         drawings,
-        grid_note => "Fine lines are 1 mm and heavy lines 10 mm apart on robots of ordinary size.",
-        lead => input_heads.len().max(usize::from(experiment.inputs.is_empty())) + usize::from(several_points),
-        input_heads => if input_heads.is_empty() { vec!["row".to_owned()] } else { input_heads },
+        lead => input_heads.len() + usize::from(several_points),
+        input_heads,
+        numbered => numbered(experiment),
         several_points,
         axes => axes.iter().map(|&a| AXES[a]).collect::<Vec<_>>(),
         rows => rows(experiment, verification, &axes),
@@ -74,6 +75,11 @@ pub fn verification_page(
     Environment::new()
         .render_named_str("page.html", TEMPLATE, page)
         .expect("the template is part of the program")
+}
+
+/// Whether rows are named by their number: unless one varied input tells them apart.
+fn numbered(experiment: &Experiment) -> bool {
+    experiment.inputs.len() != 1
 }
 
 fn with_unit(name: &str, unit: &str) -> String {
@@ -119,10 +125,9 @@ fn rows(experiment: &Experiment, verification: &Verification, axes: &[usize]) ->
     for (i, row) in verification.rows.iter().enumerate() {
         for (j, point) in row.points.iter().enumerate() {
             let inputs = row.inputs.iter().zip(&experiment.inputs).zip(&input_digits);
-            let mut cells: Vec<String> = inputs.map(|((x, input), d)| fixed(x / input.unit.1, *d)).collect();
-            if experiment.inputs.is_empty() {
-                cells.push((i + 1).to_string());
-            }
+            let mut cells: Vec<String> =
+                numbered(experiment).then(|| (i + 1).to_string()).into_iter().collect();
+            cells.extend(inputs.map(|((x, input), d)| fixed(x / input.unit.1, *d)));
             if j > 0 {
                 cells.iter_mut().for_each(String::clear);
             }

@@ -37,7 +37,7 @@ pub fn svg_to_png(svg: &str, scale: f32) -> Result<Vec<u8>> {
     }
     let side = |name| -> Result<u32> {
         let px = f64::from(number(&root, name)?) * f64::from(scale);
-        if px >= 1.0 && px <= LARGEST_SIDE {
+        if (1.0..=LARGEST_SIDE).contains(&px) {
             Ok(px.round() as u32)
         } else {
             Err(PngError(format!("a {name} of {px} pixels; choose a scale that gives 1 to {LARGEST_SIDE}")))

@@ -17,6 +17,7 @@ const MARGIN: f64 = 28.0;
 const ROOM: [f64; 2] = [700.0, 470.0];
 const GAP: f64 = 34.0;
 const SMALLEST_PANEL: [f64; 2] = [190.0, 170.0];
+const SMALLEST_PAGE: f64 = 640.0;
 const HEADING: f64 = 34.0;
 const BODY: Type = Type::new(13.0, INK);
 const SMALL: Type = Type::new(12.0, MUTED);
@@ -31,8 +32,12 @@ pub fn shape_svg(robot: &Robot, equilibrium: &Equilibrium) -> String {
     let scenes = [scene(robot, &shape, &views[0], true), scene(robot, &shape, &views[1], false)];
 
     // panels of one height
-    let mut frames =
-        scenes.each_ref().map(|s| s.bounds.grown(16.0).at_least(SMALLEST_PANEL[0], SMALLEST_PANEL[1]));
+    let mut frames = [0, 1].map(|i| {
+        let least = SMALLEST_PANEL[0]
+            .max(heading_width(&views[i]))
+            .max(BODY.width(&axis_name(&views[i].right)) + 72.0);
+        scenes[i].bounds.grown(16.0).at_least(least, SMALLEST_PANEL[1])
+    });
     let (top, bottom) = (frames[0].y0.min(frames[1].y0), frames[0].y1.max(frames[1].y1));
     for frame in &mut frames {
         (frame.y0, frame.y1) = (top, bottom);
@@ -48,8 +53,13 @@ pub fn shape_svg(robot: &Robot, equilibrium: &Equilibrium) -> String {
         .fold(20.0, f64::max);
     let left = MARGIN + widest + 10.0;
 
-    // the page, from the top down
-    let width = (left + frames[0].width() + GAP + frames[1].width() + MARGIN).max(620.0);
+    // the page, from the top down; narrow views share what is left
+    let taken = |frames: &[Rect; 2]| left + frames[0].width() + GAP + frames[1].width() + MARGIN;
+    let spare = (SMALLEST_PAGE - taken(&frames)).max(0.0);
+    for frame in &mut frames {
+        (frame.x0, frame.x1) = (frame.x0 - 0.25 * spare, frame.x1 + 0.25 * spare);
+    }
+    let width = taken(&frames);
     let mut page = Canvas::new();
     let mut y = header(&mut page, robot, equilibrium, width);
     y += HEADING + 6.0;
@@ -225,7 +235,7 @@ fn panel(page: &mut Canvas, view: &View, shape: &Shape, frame: &Rect, origin: P,
     page.rect(Rect::new(x0, y0, x1, y1), "none", Some(Pen::new(GRID_HEAVY, 1.0)));
 
     // names of the axes, with arrows towards growing numbers
-    let name = format!("{} in mm", view.right.name);
+    let name = axis_name(&view.right);
     let centre = (x0 + x1) / 2.0;
     let half = BODY.width(&name) / 2.0;
     page.text([centre, y1 + 35.0], Anchor::Middle, BODY, &name);
@@ -233,12 +243,20 @@ fn panel(page: &mut Canvas, view: &View, shape: &Shape, frame: &Rect, origin: P,
     page.arrow([tail, y1 + 31.0], [head, y1 + 31.0], Pen::new(MUTED, 1.1), 6.0);
 }
 
+fn axis_name(axis: &Axis) -> String {
+    format!("{} in mm", axis.name)
+}
+
+fn heading_width(view: &View) -> f64 {
+    Type::bold(14.0, INK).width(view.title) + 24.0 + BODY.width(&axis_name(&view.up)) + 34.0
+}
+
 /// Above a panel: the view's name, the vertical axis, gravity.
 fn heading(page: &mut Canvas, robot: &Robot, view: &View, area: Rect) {
     let base = area.y1 - 11.0;
     page.text([area.x0, base], Anchor::Start, Type::bold(14.0, INK), view.title);
     let after = area.x0 + Type::bold(14.0, INK).width(view.title) + 12.0;
-    let up = format!("{} in mm", view.up.name);
+    let up = axis_name(&view.up);
     page.text([after + 12.0, base], Anchor::Start, BODY, &up);
     let (low, high) = (base + 2.0, base - 13.0);
     let (from, to) = if view.up.sign > 0.0 { (low, high) } else { (high, low) };

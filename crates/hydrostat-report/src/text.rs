@@ -99,14 +99,33 @@ pub(crate) fn mass(kg: f64) -> String {
     if kg.abs() < 1.0 { format!("{} g", short(1e3 * kg, 2)) } else { format!("{} kg", significant(kg)) }
 }
 
-/// Decimals that show every value of a column exactly, four at most.
+/// Decimals that show every value of a column exactly, three at most; where that is not possible, enough for a
+/// thousandth of the largest.
 pub(crate) fn decimals_of(values: impl Iterator<Item = f64> + Clone) -> usize {
-    (0..4)
-        .find(|&d| {
-            let scale = 10f64.powi(d as i32);
-            values.clone().all(|x| !x.is_finite() || (x * scale - (x * scale).round()).abs() < 1e-6 * scale)
-        })
-        .unwrap_or(4)
+    let values = values.filter(|x| x.is_finite());
+    let most = values.clone().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let fits = |d: i32, slack: f64| {
+        let scale = 10f64.powi(d);
+        values.clone().all(|x| (x * scale - (x * scale).round()).abs() <= slack * most * scale)
+    };
+    let exact = (0..=3).find(|&d| fits(d, 1e-9));
+    exact.or_else(|| (0..=6).find(|&d| fits(d, 1e-3))).unwrap_or(6) as usize
+}
+
+/// The text, cut with an ellipsis where it is wider than `room`.
+pub(crate) fn fit(s: &str, room: f64, width: impl Fn(&str) -> f64) -> String {
+    if width(s) <= room {
+        return s.to_owned();
+    }
+    let mut cut = String::new();
+    for c in s.chars() {
+        cut.push(c);
+        if width(&cut) + width("…") > room {
+            cut.pop();
+            break;
+        }
+    }
+    cut.trim_end().to_owned() + "…"
 }
 
 /// Lines no wider than `room`, broken at spaces where possible.
@@ -153,6 +172,7 @@ mod tests {
         assert_eq!(prefixed(-0.2, "N"), "\u{2212}200 mN");
         assert_eq!(mass(0.0138), "13.8 g");
         assert_eq!(decimals_of([0.0, 13.8, 16.9].into_iter()), 1);
+        assert_eq!(decimals_of([0.0, 20.053522829].into_iter()), 2);
     }
 
     #[test]
