@@ -17,7 +17,7 @@ pub(super) fn findings(
     };
     let mut findings = vec![mean_errors(experiment, published)];
     findings.extend(error_column(experiment, published));
-    findings.extend(percent_column(published));
+    findings.extend(percent_column(experiment, published));
     findings.push(reproduction(experiment, published, rows));
     findings.extend(fit(experiment, published, settings)?);
     Ok(findings)
@@ -42,7 +42,7 @@ fn mean_errors(experiment: &Experiment, published: &Published) -> String {
     );
     for (name, stated) in &published.mean_errors {
         let agrees = (stated - mean).abs() <= published.rounding[1].max(ROUNDING);
-        let verb = if agrees { "agrees" } else { "does not" };
+        let verb = if agrees { "agrees" } else { "disagrees" };
         text += &format!("; the {name}, {:.1} mm, {verb}", 1e3 * stated);
     }
     text + "."
@@ -51,48 +51,58 @@ fn mean_errors(experiment: &Experiment, published: &Published) -> String {
 /// Half of the last digit of a number printed in tenths of a millimetre, m.
 const ROUNDING: f64 = 0.05e-3;
 
+/// The range of distances that the rounding of the printed coordinates leaves, per row.
+fn possible_errors(experiment: &Experiment, published: &Published) -> Vec<[f64; 2]> {
+    let rounding = published.rounding[0];
+    let axes = &experiment.points[0].axes;
+    let rows = experiment.rows.iter().zip(&published.predicted);
+    rows.map(|(row, predicted)| {
+        let off = row.observed[0] - predicted;
+        [-rounding, rounding]
+            .map(|d| axes.iter().map(|&i| (off[i].abs() + d).max(0.0).powi(2)).sum::<f64>().sqrt())
+    })
+    .collect()
+}
+
 /// Rows whose printed error no rounding of the coordinates explains.
 fn error_column(experiment: &Experiment, published: &Published) -> Option<String> {
-    let (coordinate, error) = (published.rounding[0], published.rounding[1]);
-    let axes = &experiment.points[0].axes;
-    let mut wrong = Vec::new();
-    for ((row, predicted), printed) in experiment.rows.iter().zip(&published.predicted).zip(&published.error)
-    {
-        let off = row.observed[0] - predicted;
-        let over_axes = |f: &dyn Fn(f64) -> f64| axes.iter().map(|&i| f(off[i]).powi(2)).sum::<f64>().sqrt();
-        let nearest = over_axes(&|d: f64| (d.abs() - coordinate).max(0.0));
-        let farthest = over_axes(&|d: f64| d.abs() + coordinate);
-        if printed + error < nearest || printed - error > farthest {
-            let inputs = experiment.inputs_of(row);
-            wrong.push(format!(
+    let error = published.rounding[1];
+    let exact = recomputed(experiment, published);
+    let wrong: Vec<String> = possible_errors(experiment, published)
+        .iter()
+        .zip(&published.error)
+        .enumerate()
+        .filter(|(_, (possible, printed))| *printed + error < possible[0] || *printed - error > possible[1])
+        .map(|(k, (_, printed))| {
+            let inputs = experiment.inputs_of(&experiment.rows[k]);
+            format!(
                 "{inputs}: {:.1} mm printed, {:.1} mm from its coordinates",
                 1e3 * printed,
-                1e3 * off.norm()
-            ));
-        }
-    }
+                1e3 * exact[k]
+            )
+        })
+        .collect();
     if published.error.is_empty() {
         return None;
     }
-    Some(if wrong.is_empty() {
-        "The printed errors are the distances between the printed coordinates.".to_string()
-    } else {
-        format!(
-            "The printed errors are the distances between the printed coordinates, except {}.",
-            wrong.join("; ")
-        )
-    })
+    let exceptions = if wrong.is_empty() { String::new() } else { format!(", except {}", wrong.join("; ")) };
+    Some(format!("The printed errors are the distances between the printed coordinates{exceptions}."))
 }
 
-/// Whether one length explains every printed percentage.
-fn percent_column(published: &Published) -> Option<String> {
+/// Whether one length explains every printed percentage, given the roundings of errors and coordinates.
+fn percent_column(experiment: &Experiment, published: &Published) -> Option<String> {
     let [_, error, fraction] = published.rounding;
-    let rows = published.error.iter().zip(&published.error_fraction);
-    let lengths = rows
-        .filter(|(e, f)| **e > error && **f > fraction)
-        .map(|(e, f)| [(e - error) / (f + fraction), (e + error) / (f - fraction)]);
-    let [low, high] =
-        lengths.reduce(|a, b| [a[0].max(b[0]), a[1].min(b[1])]).filter(|range| range[1].is_finite())?;
+    let possible = possible_errors(experiment, published);
+    let rows = possible.iter().zip(&published.error).zip(&published.error_fraction);
+    let [low, high] = rows
+        .filter(|(_, f)| **f > fraction)
+        .map(|((possible, e), f)| {
+            let [near, far] = [possible[0].max(e - error), possible[1].min(e + error)];
+            // a misprinted error leaves the coordinates alone to tell
+            let [near, far] = if near <= far { [near, far] } else { *possible };
+            [near / (f + fraction), far / (f - fraction)]
+        })
+        .reduce(|a, b| [a[0].max(b[0]), a[1].min(b[1])])?;
     Some(if low <= high {
         format!("The printed percentages fit a length of {:.1} to {:.1} mm.", 1e3 * low, 1e3 * high)
     } else {
