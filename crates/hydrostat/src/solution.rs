@@ -56,6 +56,8 @@ pub struct Report {
     pub stable: Option<bool>,
     /// Of the energy's second variation scaled by the elastic stiffness; 1 for an unloaded rod.
     pub smallest_eigenvalue: Option<f64>,
+    /// Part of the loads at which the branch from the unloaded shape first turned unstable.
+    pub unstable_from: Option<f64>,
 }
 
 /// The solver that found it.

@@ -9,6 +9,7 @@ mod report;
 mod rod;
 mod search;
 mod shooting;
+mod stability;
 
 pub use constant_curvature::{Arcs, Weight, constant_curvature};
 
@@ -27,11 +28,21 @@ pub struct Settings {
     pub stations: usize,
     /// Shooting intervals; 1 is the thesis's single shooting, None one per step.
     pub shooting_intervals: Option<usize>,
+    /// Largest part of the loads that is added at once on the way from the unloaded shape.
+    pub largest_load_step: f64,
+    /// Whether to find the smallest eigenvalue of the energy's second variation, which takes longer than the shape.
+    pub eigenvalue: bool,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Settings { tolerance: 1e-9, stations: 101, shooting_intervals: None }
+        Settings {
+            tolerance: 1e-9,
+            stations: 101,
+            shooting_intervals: None,
+            largest_load_step: 1.0,
+            eigenvalue: true,
+        }
     }
 }
 
@@ -95,7 +106,12 @@ fn run(
     let mut search = Search { robot, settings, chain, steps_per_span, coarse, fine, iterations: 0 };
     let found = if chain.follower { search.run(warm, follower)? } else { search.run(warm, dead)? };
     workspace.warm = true;
-    report::equilibrium(robot, settings, &workspace.chain, &workspace.fine, &found)
+    let eigenvalue = (settings.eigenvalue && !workspace.chain.follower).then(|| {
+        let Workspace { chain, steps_per_span, fine, dead, .. } = &mut *workspace;
+        let steps: Vec<usize> = steps_per_span.iter().map(|count| 2 * count).collect();
+        stability::smallest_eigenvalue(robot, chain, fine, &steps, dead)
+    });
+    report::equilibrium(robot, settings, &workspace.chain, &workspace.fine, &found, eigenvalue)
 }
 
 impl Workspace {

@@ -17,6 +17,7 @@ pub(super) fn equilibrium(
     chain: &Chain,
     mesh: &Mesh,
     found: &Found,
+    smallest_eigenvalue: Option<f64>,
 ) -> Result<Equilibrium, Error> {
     let tip = mesh.nodes[mesh.steps.len()];
     let stations = match settings.stations {
@@ -25,25 +26,24 @@ pub(super) fn equilibrium(
             .map(|i| station(robot, chain, mesh, chain.length * i as f64 / (count.max(2) - 1) as f64))
             .collect(),
     };
-    let stable = match (found.conjugate_points, chain.conservative) {
-        (0, true) => Some(true),
-        (0, false) => None,
-        _ => Some(false),
-    };
+    let falls = smallest_eigenvalue.map_or(found.conjugate_points > 0, |eigenvalue| eigenvalue <= 0.0);
+    // loads that have no energy may set a rod in motion even where no direction is downhill
+    let stable = if falls { Some(false) } else { chain.conservative.then_some(true) };
     Ok(Equilibrium {
         tip: Pose {
             position: mesh.positions[mesh.steps.len()],
             rotation: Rotation3::from_matrix_unchecked(tip.rotation),
         },
         stations,
-        checks: checks(robot, chain, mesh, stable)?,
+        checks: checks(robot, chain, mesh, stable, smallest_eigenvalue)?,
         report: Report {
             method: Method::Shooting,
             iterations: found.iterations,
             residual: found.residual,
             error_estimate: found.error_estimate,
             stable,
-            smallest_eigenvalue: None,
+            smallest_eigenvalue,
+            unstable_from: found.unstable_from,
         },
     })
 }
@@ -68,7 +68,13 @@ pub(super) fn station(robot: &Robot, chain: &Chain, mesh: &Mesh, s: f64) -> Stat
 }
 
 /// Strain against the limit of each material, and stability.
-fn checks(robot: &Robot, chain: &Chain, mesh: &Mesh, stable: Option<bool>) -> Result<Vec<Check>, Error> {
+fn checks(
+    robot: &Robot,
+    chain: &Chain,
+    mesh: &Mesh,
+    stable: Option<bool>,
+    smallest_eigenvalue: Option<f64>,
+) -> Result<Vec<Check>, Error> {
     let mut checks = Vec::new();
     let mut worst: Option<Check> = None;
     for (k, step) in mesh.steps.iter().enumerate() {
@@ -102,14 +108,10 @@ fn checks(robot: &Robot, chain: &Chain, mesh: &Mesh, stable: Option<bool>) -> Re
         }
     }
     checks.extend(worst);
-    let unstable = stable == Some(false);
-    checks.push(Check {
-        name: "stability",
-        value: f64::from(u8::from(!unstable)),
-        limit: 1.0,
-        ok: !unstable,
-        at: None,
-    });
+    if let Some(ok) = stable {
+        let value = smallest_eigenvalue.unwrap_or(f64::NAN);
+        checks.push(Check { name: "stability", value, limit: 0.0, ok, at: None });
+    }
     Ok(checks)
 }
 

@@ -39,6 +39,9 @@ const MAX_ITERATIONS: usize = 50;
 /// Newton's corrections are damped only where the load steps have become this small.
 const DAMPED_BELOW: f64 = 1.0 / 64.0;
 const SMALLEST_LOAD_STEP: f64 = 1.0 / 4096.0;
+/// A mesh is halved where load steps become this small, and where a step turns by more (radians).
+const REFINED_BELOW: f64 = 1.0 / 8.0;
+const LARGEST_TURN: f64 = 1.5;
 /// Accuracy on the way to the full load: enough to start the next step.
 const ON_THE_WAY: f64 = 1e-3;
 
@@ -56,9 +59,7 @@ impl Search<'_> {
             unstable_from = self.follow_load(sweep)?;
         }
         loop {
-            self.steps_per_span.iter_mut().for_each(|count| *count *= 2);
-            self.fine.rebuild(self.robot, self.chain, self.steps_per_span, intervals);
-            self.fine.prolong(self.coarse, 1.0);
+            self.halve_into_fine(1.0);
             let end = self
                 .newton(Level::Fine, sweep, 1.0, 0.1 * tolerance, true)
                 .map_err(|stuck| self.not_converged(1.0, &stuck))?;
@@ -104,36 +105,63 @@ impl Search<'_> {
         }
     }
 
-    /// Follows the equilibrium on the coarse mesh while all loads grow from zero together.
+    /// Follows the equilibrium on the coarse mesh while all loads grow from zero together, in steps small enough
+    /// that Newton's method contracts from the start: the branch cannot be left unnoticed. Returns the load factor
+    /// at which the branch loses its stability.
     fn follow_load<const N: usize>(&mut self, sweep: &mut Sweep<N>) -> Result<Option<f64>, Error> {
         self.coarse.rest();
-        let (mut reached, mut step) = (0.0, 1.0_f64);
+        let largest_step = self.settings.largest_load_step;
+        let (mut reached, mut step) = (0.0, largest_step);
         let mut unstable_from = None;
+        let mut may_refine = true;
         let mut nodes = self.coarse.nodes.clone();
         while reached < 1.0 {
             let factor = (reached + step).min(1.0);
             let target = if factor < 1.0 { ON_THE_WAY } else { self.coarse_target() };
-            match self.newton(Level::Coarse, sweep, factor, target, step < DAMPED_BELOW) {
-                // a branch that turns unstable is met in small steps, so that none is jumped to by accident
-                Ok(end) if end.conjugate_points == 0 || unstable_from.is_some() || step < DAMPED_BELOW => {
-                    if end.conjugate_points > 0 && unstable_from.is_none() {
-                        unstable_from = Some(factor);
-                    }
-                    reached = factor;
-                    nodes.clone_from(&self.coarse.nodes);
-                    step *= 2.0;
+            let outcome = self.newton(Level::Coarse, sweep, factor, target, step < DAMPED_BELOW);
+            // the load at which a branch turns unstable is met in small steps
+            let unstable =
+                outcome.as_ref().is_ok_and(|end| end.conjugate_points > 0) && unstable_from.is_none();
+            if outcome.is_ok() && (!unstable || step < DAMPED_BELOW) {
+                reached = factor;
+                unstable_from = unstable_from.or(unstable.then_some(factor));
+                may_refine = true;
+                step = (2.0 * step).min(largest_step);
+                if self.coarse.largest_turn() > LARGEST_TURN {
+                    self.refine(reached);
                 }
-                outcome => {
-                    self.coarse.nodes.clone_from(&nodes);
-                    step *= 0.5;
-                    if step < SMALLEST_LOAD_STEP {
-                        let stuck = outcome.err().unwrap_or_default();
-                        return Err(self.not_converged(reached, &stuck));
-                    }
+            } else {
+                self.coarse.nodes.clone_from(&nodes);
+                step *= 0.5;
+                if step < REFINED_BELOW && may_refine {
+                    // the mesh may be what keeps Newton's method from contracting
+                    may_refine = false;
+                    self.refine(reached);
+                    step *= 4.0;
+                }
+                if step < SMALLEST_LOAD_STEP {
+                    return Err(self.not_converged(reached, &outcome.err().unwrap_or_default()));
                 }
             }
+            nodes.clone_from(&self.coarse.nodes);
         }
         Ok(unstable_from)
+    }
+
+    /// Halves the steps of the coarse mesh.
+    fn refine(&mut self, factor: f64) {
+        if self.coarse.steps.len() < MAX_STEPS {
+            self.halve_into_fine(factor);
+            std::mem::swap(self.coarse, self.fine);
+        }
+    }
+
+    /// Makes the fine mesh, with every step of the coarse one halved, and starts it from the coarse solution.
+    fn halve_into_fine(&mut self, factor: f64) {
+        let intervals = self.settings.shooting_intervals.unwrap_or(usize::MAX);
+        self.steps_per_span.iter_mut().for_each(|count| *count *= 2);
+        self.fine.rebuild(self.robot, self.chain, self.steps_per_span, intervals);
+        self.fine.prolong(self.coarse, factor, 2);
     }
 
     /// Newton's method on one mesh until the error it leaves is below `target` (radians and like units).

@@ -114,14 +114,24 @@ impl Mesh {
         }
     }
 
-    /// Starts from the solution on a mesh with half as many steps in every span.
-    pub(super) fn prolong(&mut self, coarse: &Mesh, factor: f64) {
-        for k in 0..coarse.steps.len() {
-            self.nodes[2 * k] = coarse.nodes[k];
-            let (mut end, _) = rod::integrate(&self.steps[2 * k], factor, &coarse.nodes[k]);
-            rod::pass(&self.jumps[2 * k], factor, &mut end);
-            self.nodes[2 * k + 1] = end;
+    /// Starts from the solution on a mesh whose steps are `parts` times as long.
+    pub(super) fn prolong(&mut self, coarse: &Mesh, factor: f64, parts: usize) {
+        for k in 0..self.steps.len() {
+            if k % parts == 0 {
+                self.nodes[k] = coarse.nodes[k / parts];
+            } else {
+                self.nodes[k] = rod::integrate(&self.steps[k - 1], factor, &self.nodes[k - 1]).0;
+            }
         }
+    }
+
+    /// Largest angle between the ends of a step.
+    pub(super) fn largest_turn(&self) -> f64 {
+        let turn = |pair: &[Node]| {
+            let trace = pair[0].rotation.dot(&pair[1].rotation);
+            ((trace - 1.0) / 2.0).clamp(-1.0, 1.0).acos()
+        };
+        self.nodes.windows(2).map(turn).fold(0.0, f64::max)
     }
 
     /// Integrates without derivatives: positions, and the largest gap left in scaled units.
@@ -221,6 +231,13 @@ impl Gap {
     }
 }
 
+/// Of the symmetric part, by the signs of its leading minors (Jacobi).
+fn negative_eigenvalues(m: &Matrix3<f64>) -> usize {
+    let m = 0.5 * (m + m.transpose());
+    let minors = [1.0, m.m11, m.m11 * m.m22 - m.m12 * m.m21, m.determinant()];
+    minors.windows(2).filter(|pair| pair[0] * pair[1] < 0.0).count()
+}
+
 /// Maximum that keeps NaN, so that a blown-up iteration cannot look converged.
 fn larger_or_nan(a: f64, b: f64) -> f64 {
     if a >= b { a } else { b }
@@ -233,7 +250,11 @@ impl<const N: usize> Sweep<N> {
     /// dy+ = T11 dy + T12 dw + g1,   dw+ = T21 dy + T22 dw + g2,   dw+ = P+ dy+ + q+
     /// (T22 - P+ T12) dw = (P+ T11 - T21) dy + P+ g1 + q+ - g2
     /// ```
-    /// Returns how often the determinant of the left-hand side is negative.
+    ///
+    /// Returns the number of conjugate points. With dead loads, eliminating node k + 1 from the second variation of
+    /// the energy leaves the pivot `S = (T22 - P+ T12) T12^-1`, so its negative eigenvalues, or those of the congruent
+    /// `T12^T (T22 - P+ T12)`, count the directions in which the energy falls (the inertia of a block elimination).
+    /// With follower loads only a change of sign of the determinant is seen.
     fn backward(&mut self, gaps: &[Gap]) -> usize {
         let count = self.transitions.len();
         let unknowns = 3 * (N - 1);
@@ -273,9 +294,13 @@ impl<const N: usize> Sweep<N> {
                     row[unknowns + 3] = offset[i];
                 }
             }
-            if eliminate(&mut rows, unknowns) < 0.0 {
-                negative += 1;
-            }
+            let determinant = eliminate(&mut rows, unknowns);
+            negative += if N == 2 {
+                let left = t[1][1] - beyond.moment * t[0][1];
+                negative_eigenvalues(&t[0][1].tr_mul(&left))
+            } else {
+                usize::from(determinant < 0.0)
+            };
             let matrix = |first: usize| Matrix3::from_fn(|i, j| rows[first + i][unknowns + j]);
             let vector = |first: usize| Vector3::from_fn(|i, _| rows[first + i][unknowns + 3]);
             let here = &mut self.feedback[k];
