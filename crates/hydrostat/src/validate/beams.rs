@@ -30,10 +30,7 @@ fn bend() -> Vec<Case> {
         diameter: (2.0 / 3.0 + 2.0 / PI).sqrt(),
         inner_diameter: (2.0 / 3.0 - 2.0 / PI).sqrt(),
     };
-    let square = CrossSection::Strip {
-        width: 1.0,
-        height: 1.0,
-    };
+    let square = CrossSection::Strip { width: 1.0, height: 1.0 };
     let converged = Group {
         title: "45-degree bend",
         source: "converged: DOP853 at 1e-11 with root finding, computed outside this project",
@@ -85,19 +82,12 @@ fn princeton() -> Vec<Case> {
         reason: "the experiments scatter by more than 1 %",
         ..converged
     };
-    let strip = CrossSection::Strip {
-        width: 12.377e-3,
-        height: 3.2024e-3,
-    };
+    let strip = CrossSection::Strip { width: 12.377e-3, height: 3.2024e-3 };
     let mut profile = prismatic(strip);
     profile.shear_coefficient = 5.0 / 6.0;
     let mut robot = rod(0.508, material(71.7e9, 0.31), profile);
     let force = 8.896 * 0.5_f64.sqrt();
-    robot.loads = vec![dead_load(
-        0.508,
-        Vector3::new(0.0, force, force),
-        Vector3::zeros(),
-    )];
+    robot.loads = vec![dead_load(0.508, Vector3::new(0.0, force, force), Vector3::zeros())];
     let solved = solve(&robot);
     [
         (converged, 1, 0.0088889, 1e-7),
@@ -107,17 +97,8 @@ fn princeton() -> Vec<Case> {
     ]
     .into_iter()
     .map(|(group, axis, reference, tolerance)| {
-        let name = [
-            "",
-            "tip deflection the stiff way [m]",
-            "tip deflection the soft way [m]",
-        ][axis];
-        group.case(
-            name,
-            reference,
-            read(&solved, |e| e.tip.position[axis]),
-            tolerance,
-        )
+        let name = ["", "tip deflection the stiff way [m]", "tip deflection the soft way [m]"][axis];
+        group.case(name, reference, read(&solved, |e| e.tip.position[axis]), tolerance)
     })
     .collect()
 }

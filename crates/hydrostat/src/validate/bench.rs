@@ -46,9 +46,7 @@ pub(super) fn cases() -> Vec<Case> {
             ));
         }
         let distance = |[x, y]: [f64; 2]| (x - row.observed[0]).hypot(y - row.observed[1]);
-        ours.push(read(&solved, |e| {
-            distance([e.tip.position.x * 1e3, e.tip.position.y * 1e3])
-        }));
+        ours.push(read(&solved, |e| distance([e.tip.position.x * 1e3, e.tip.position.y * 1e3])));
         theirs.push(distance(row.predicted));
     }
     let ours: Result<Vec<f64>, String> = ours.into_iter().collect();
@@ -83,10 +81,7 @@ fn robot(mass: f64) -> Robot {
     let mut robot = rod(LENGTH, material(YOUNGS_MODULUS, 0.3), prismatic(section));
     robot.sections[0].material.density = WEIGHT / (GRAVITY * 0.25 * PI * DIAMETER.powi(2));
     robot.gravity = -GRAVITY * Vector3::y();
-    robot.loads = vec![Load {
-        name: None,
-        kind: LoadKind::Mass { at: LENGTH, mass },
-    }];
+    robot.loads = vec![Load { name: None, kind: LoadKind::Mass { at: LENGTH, mass } }];
     robot
 }
 

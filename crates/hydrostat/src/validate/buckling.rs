@@ -49,11 +49,7 @@ fn critical(reference: f64, robot: impl Fn(f64) -> Robot) -> Result<f64, String>
 /// A round rod of unit length and unit E I along x.
 fn column(diameter: f64) -> Robot {
     let youngs_modulus = 64.0 / (PI * diameter.powi(4));
-    rod(
-        1.0,
-        material(youngs_modulus, 0.3),
-        prismatic(CrossSection::Round { diameter }),
-    )
+    rod(1.0, material(youngs_modulus, 0.3), prismatic(CrossSection::Round { diameter }))
 }
 
 /// Clamped column under a dead end thrust: P (1 - P/EA) + P^2/GA = pi^2 EI/4L^2.
@@ -69,12 +65,7 @@ fn euler(diameter: f64) -> Case {
         robot.loads = vec![dead_load(1.0, -thrust * Vector3::x(), Vector3::zeros())];
         robot
     });
-    group.case(
-        format!("Euler column, L/d = {}, P L^2/EI", 1.0 / diameter),
-        reference,
-        ours,
-        1e-6 * reference,
-    )
+    group.case(format!("Euler column, L/d = {}, P L^2/EI", 1.0 / diameter), reference, ours, 1e-6 * reference)
 }
 
 /// Clamped upright column under its own weight: phi'' + (w L^3/EI) t phi = 0 from the tip.
@@ -91,12 +82,7 @@ fn greenhill() -> Case {
         robot.sections[0].material.density = weight / (0.25 * PI * diameter.powi(2));
         robot
     });
-    group.case(
-        "self-buckling, L/d = 1000, w L^3/EI",
-        reference,
-        ours,
-        5e-6 * reference,
-    )
+    group.case("self-buckling, L/d = 1000, w L^3/EI", reference, ours, 5e-6 * reference)
 }
 
 /// Narrow strip under a tip force in its plane: phi'' + (P^2 L^4/(EI GJ)) t^2 phi = 0 from the tip.
@@ -108,11 +94,7 @@ fn lateral() -> Case {
     };
     let reference = bisect(1.0, 30.0, |lambda| buckling_mode(lambda, 2)).sqrt();
     let (width, height) = (0.02, 2e-4);
-    let robot = rod(
-        1.0,
-        material(1.0, 0.3),
-        prismatic(CrossSection::Strip { width, height }),
-    );
+    let robot = rod(1.0, material(1.0, 0.3), prismatic(CrossSection::Strip { width, height }));
     let soft = width * height.powi(3) / 12.0;
     let scale = (soft * robot.sections[0].material.shear_modulus * torsion_constant(width, height)).sqrt();
     let ours = critical(reference * scale, |force| {

@@ -34,23 +34,14 @@ pub(super) fn cases() -> Vec<Case> {
 /// A round rod of unit length and unit E I.
 fn unit_rod(diameter: f64) -> Robot {
     let youngs_modulus = 64.0 / (PI * diameter.powi(4));
-    rod(
-        1.0,
-        material(youngs_modulus, 0.3),
-        prismatic(CrossSection::Round { diameter }),
-    )
+    rod(1.0, material(youngs_modulus, 0.3), prismatic(CrossSection::Round { diameter }))
 }
 
 /// Tip x, drop and slope against a reference in the same order.
 fn tip_cases(group: Group, name: &str, robot: &Robot, reference: [f64; 3]) -> [Case; 3] {
     let solved = solve(robot);
     [
-        group.case(
-            format!("{name}, tip x / L"),
-            reference[0],
-            read(&solved, |e| e.tip.position.x),
-            EXACT,
-        ),
+        group.case(format!("{name}, tip x / L"), reference[0], read(&solved, |e| e.tip.position.x), EXACT),
         group.case(
             format!("{name}, tip drop / L"),
             reference[1],
@@ -89,12 +80,7 @@ fn bisshopp_drucker(alpha: f64) -> [Case; 3] {
 
     let mut robot = unit_rod(PURE);
     robot.loads = vec![dead_load(1.0, -alpha * Vector3::y(), Vector3::zeros())];
-    tip_cases(
-        group,
-        &format!("F L^2/EI = {alpha}"),
-        &robot,
-        [x, drop, sine.asin()],
-    )
+    tip_cases(group, &format!("F L^2/EI = {alpha}"), &robot, [x, drop, sine.asin()])
 }
 
 /// The same with stretch and shear (Reissner's beam), by its energy integral: E I phi'^2/2 + W(phi) is constant along s.
@@ -115,11 +101,7 @@ fn reissner(alpha: f64) -> [Case; 3] {
             let ds = 2.0 * phi_tip * t / (2.0 * difference).sqrt();
             let (sine, cosine) = phi.sin_cos();
             let (stretch, shear) = (1.0 + force * sine / ea, force * cosine / ga);
-            [
-                ds,
-                ds * (stretch * cosine - shear * sine),
-                ds * (stretch * sine + shear * cosine),
-            ]
+            [ds, ds * (stretch * cosine - shear * sine), ds * (stretch * sine + shear * cosine)]
         })
     };
     let phi_tip = bisect(1e-3, FRAC_PI_2 - 1e-3, |phi_tip| shape(phi_tip)[0] - 1.0);
@@ -158,18 +140,8 @@ fn circle(name: &str, angle: f64) -> [Case; 3] {
     let solved = solve(&robot);
     let exact = [angle.sin() / angle, (1.0 - angle.cos()) / angle];
     [
-        group.case(
-            format!("{name}, tip x / L"),
-            exact[0],
-            read(&solved, |e| e.tip.position.x),
-            EXACT,
-        ),
-        group.case(
-            format!("{name}, tip y / L"),
-            exact[1],
-            read(&solved, |e| e.tip.position.y),
-            EXACT,
-        ),
+        group.case(format!("{name}, tip x / L"), exact[0], read(&solved, |e| e.tip.position.x), EXACT),
+        group.case(format!("{name}, tip y / L"), exact[1], read(&solved, |e| e.tip.position.y), EXACT),
         group.case(
             format!("{name}, sine of the tip slope"),
             angle.sin(),

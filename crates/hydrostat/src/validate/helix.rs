@@ -65,9 +65,7 @@ fn helix(group: Group, turns: f64, pitch_angle: f64) -> [Case; 4] {
         format!("{name}, angle from the exact tip [rad]"),
         0.0,
         // |R - S| = 2 sqrt(2) sin(angle / 2)
-        read(&solved, |e| {
-            2.0 * ((e.tip.rotation.matrix() - rotation.matrix()).norm() / 8_f64.sqrt()).asin()
-        }),
+        read(&solved, |e| 2.0 * ((e.tip.rotation.matrix() - rotation.matrix()).norm() / 8_f64.sqrt()).asin()),
         1e-9,
     );
     [position(0), position(1), position(2), angle]

@@ -70,10 +70,7 @@ pub fn markdown(cases: &[Case]) -> String {
         text += "| case | reference | ours | difference | tolerance | |\n|---|---:|---:|---:|---:|---|\n";
         for case in group {
             let (ours, difference) = match &case.ours {
-                Ok(ours) => (
-                    significant(*ours, case.tolerance),
-                    format!("{:.1e}", case.difference()),
-                ),
+                Ok(ours) => (significant(*ours, case.tolerance), format!("{:.1e}", case.difference())),
                 Err(message) => (message.replace('\n', " ").replace('|', "/"), "-".to_string()),
             };
             let reference = significant(case.reference, case.tolerance);
@@ -144,11 +141,7 @@ impl Group {
 const TOLERANCE: f64 = 1e-10;
 
 fn solve(robot: &Robot) -> Result<Equilibrium, String> {
-    let settings = Settings {
-        tolerance: TOLERANCE,
-        stations: 3,
-        ..Settings::default()
-    };
+    let settings = Settings { tolerance: TOLERANCE, stations: 3, ..Settings::default() };
     statics::solve(robot, &settings).map_err(|error| error.to_string())
 }
 
@@ -163,10 +156,7 @@ fn rod(length: f64, material: Material, profile: Profile) -> Robot {
     Robot {
         name: "validation".into(),
         gravity: Vector3::zeros(),
-        base: Pose {
-            position: Vector3::zeros(),
-            rotation: Rotation3::from_matrix_unchecked(rotation),
-        },
+        base: Pose { position: Vector3::zeros(), rotation: Rotation3::from_matrix_unchecked(rotation) },
         sections: vec![Section {
             name: "rod".into(),
             length,
@@ -191,21 +181,9 @@ fn material(youngs_modulus: f64, poisson_ratio: f64) -> Material {
 }
 
 fn prismatic(section: CrossSection) -> Profile {
-    Profile {
-        base: section,
-        tip: section,
-        shear_coefficient: 1.0,
-    }
+    Profile { base: section, tip: section, shear_coefficient: 1.0 }
 }
 
 fn dead_load(at: f64, force: Vector3<f64>, moment: Vector3<f64>) -> Load {
-    Load {
-        name: None,
-        kind: LoadKind::Point {
-            at,
-            force,
-            moment,
-            frame: Frame::World,
-        },
-    }
+    Load { name: None, kind: LoadKind::Point { at, force, moment, frame: Frame::World } }
 }

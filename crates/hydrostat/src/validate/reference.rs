@@ -56,11 +56,7 @@ pub(super) fn integrate(f: impl Fn(f64) -> [f64; 3]) -> [f64; 3] {
 /// Legendre's incomplete elliptic integrals F(phi, k) and E(phi, k), 0 <= phi <= pi/2, by Carlson's duplication
 /// (Carlson 1995, Numerical Algorithms 10). Thirty lines; a crate would be a dependency of every user for one table.
 pub(super) fn elliptic(phi: f64, k: f64) -> (f64, f64) {
-    let (sine, cosine) = if phi == FRAC_PI_2 {
-        (1.0, 0.0)
-    } else {
-        phi.sin_cos()
-    };
+    let (sine, cosine) = if phi == FRAC_PI_2 { (1.0, 0.0) } else { phi.sin_cos() };
     let (x, y) = (cosine * cosine, 1.0 - (k * sine).powi(2));
     let (rf, rd) = carlson(x, y);
     (sine * rf, sine * rf - k * k / 3.0 * sine.powi(3) * rd)
@@ -107,14 +103,8 @@ pub(super) fn weight_elastica(beta: f64, phi_tip: f64) -> [f64; 3] {
         }
         phi = p.iter().rev().fold(0.0, |sum, a| sum * h + a);
         slope = (1..ORDER + 2).rev().fold(0.0, |sum, k| sum * h + k as f64 * p[k]);
-        x += (0..ORDER)
-            .rev()
-            .fold(0.0, |sum, k| sum * h + c[k] / (k + 1) as f64)
-            * h;
-        y += (0..ORDER)
-            .rev()
-            .fold(0.0, |sum, k| sum * h + s[k] / (k + 1) as f64)
-            * h;
+        x += (0..ORDER).rev().fold(0.0, |sum, k| sum * h + c[k] / (k + 1) as f64) * h;
+        y += (0..ORDER).rev().fold(0.0, |sum, k| sum * h + s[k] / (k + 1) as f64) * h;
     }
     [phi, x, y]
 }
@@ -134,10 +124,8 @@ pub(super) fn buckling_mode(lambda: f64, power: usize) -> f64 {
 /// Saint-Venant's torsion constant of a rectangle (Timoshenko & Goodier, Theory of Elasticity, art. 109).
 pub(super) fn torsion_constant(width: f64, height: f64) -> f64 {
     let (a, b) = (width.max(height), width.min(height));
-    let series: f64 = (0..200)
-        .map(|i| (2 * i + 1) as f64)
-        .map(|n| (n * FRAC_PI_2 * a / b).tanh() / n.powi(5))
-        .sum();
+    let series: f64 =
+        (0..200).map(|i| (2 * i + 1) as f64).map(|n| (n * FRAC_PI_2 * a / b).tanh() / n.powi(5)).sum();
     a * b.powi(3) / 3.0 * (1.0 - 192.0 / std::f64::consts::PI.powi(5) * b / a * series)
 }
 

@@ -13,10 +13,7 @@ const POISSON_RATIO: f64 = 0.3;
 
 pub(super) fn cases() -> Vec<Case> {
     let round = CrossSection::Round { diameter: 0.02 };
-    let strip = CrossSection::Strip {
-        width: 0.02,
-        height: 0.01,
-    };
+    let strip = CrossSection::Strip { width: 0.02, height: 0.01 };
     let mut cases = bending(round, 0.9);
     cases.extend(bending(strip, 5.0 / 6.0));
     cases.extend(stretch(round));
@@ -33,16 +30,12 @@ fn bending(section: CrossSection, shear_coefficient: f64) -> Vec<Case> {
     };
     // Deflections of L/1000.
     let (name, area, [i1, i2]) = match section {
-        CrossSection::Strip { width, height } => (
-            "strip",
-            width * height,
-            [width * height.powi(3) / 12.0, height * width.powi(3) / 12.0],
-        ),
-        CrossSection::Round { diameter } | CrossSection::Tube { diameter, .. } => (
-            "round",
-            PI * diameter.powi(2) / 4.0,
-            [PI * diameter.powi(4) / 64.0; 2],
-        ),
+        CrossSection::Strip { width, height } => {
+            ("strip", width * height, [width * height.powi(3) / 12.0, height * width.powi(3) / 12.0])
+        }
+        CrossSection::Round { diameter } | CrossSection::Tube { diameter, .. } => {
+            ("round", PI * diameter.powi(2) / 4.0, [PI * diameter.powi(4) / 64.0; 2])
+        }
     };
     let shear_modulus = YOUNGS_MODULUS / (2.0 * (1.0 + POISSON_RATIO));
     // A force along d1 (world y) bends about d2, one along d2 (world z) about d1.
@@ -80,11 +73,7 @@ fn stretch(section: CrossSection) -> Vec<Case> {
     };
     let strain = 0.01;
     let force = strain * YOUNGS_MODULUS * PI * diameter.powi(2) / 4.0;
-    let mut robot = rod(
-        LENGTH,
-        material(YOUNGS_MODULUS, POISSON_RATIO),
-        prismatic(section),
-    );
+    let mut robot = rod(LENGTH, material(YOUNGS_MODULUS, POISSON_RATIO), prismatic(section));
     robot.loads = vec![dead_load(LENGTH, force * Vector3::x(), Vector3::zeros())];
     vec![group.case(
         "round, pull F/EA = 0.01: extension / L",
@@ -105,17 +94,9 @@ fn twist(width: f64, height: f64) -> Case {
     let strip = CrossSection::Strip { width, height };
     let mut robot = rod(LENGTH, material(YOUNGS_MODULUS, POISSON_RATIO), prismatic(strip));
     let gj = robot.sections[0].material.shear_modulus * torsion_constant(width, height);
-    robot.loads = vec![dead_load(
-        LENGTH,
-        Vector3::zeros(),
-        angle * gj / LENGTH * Vector3::x(),
-    )];
+    robot.loads = vec![dead_load(LENGTH, Vector3::zeros(), angle * gj / LENGTH * Vector3::x())];
     group.case(
-        format!(
-            "strip {} x {} mm, T L/GJ = 0.5: twist [rad]",
-            width * 1e3,
-            height * 1e3
-        ),
+        format!("strip {} x {} mm, T L/GJ = 0.5: twist [rad]", width * 1e3, height * 1e3),
         angle,
         read(&solve(&robot), |e| {
             let d1 = e.tip.rotation * Vector3::x();

@@ -55,38 +55,15 @@ pub(super) fn cases(csv: &str) -> Vec<Case> {
         let mut distances: Vec<f64> = offsets.iter().map(|offset| 1e3 * distance(offset)).collect();
         distances.sort_by(f64::total_cmp);
         let index = (fraction * distances.len() as f64).ceil() as usize;
-        distances
-            .get(index.saturating_sub(1))
-            .copied()
-            .ok_or_else(|| failures.join("; "))
+        distances.get(index.saturating_sub(1)).copied().ok_or_else(|| failures.join("; "))
     };
     let count = data.shapes.len();
     let missing = failures.len() as f64;
     vec![
-        group.case(
-            format!("shapes of {count} without an answer"),
-            0.0,
-            Ok(missing),
-            0.0,
-        ),
-        group.case(
-            "95 % of the stations within [mm]",
-            0.0,
-            quantile(0.95, Vector3::norm),
-            0.25,
-        ),
-        group.case(
-            "all stations within [mm]",
-            0.0,
-            quantile(1.0, Vector3::norm),
-            0.65,
-        ),
-        group.case(
-            "all stations within, beyond the rounding [mm]",
-            0.0,
-            quantile(1.0, beyond_rounding),
-            0.6,
-        ),
+        group.case(format!("shapes of {count} without an answer"), 0.0, Ok(missing), 0.0),
+        group.case("95 % of the stations within [mm]", 0.0, quantile(0.95, Vector3::norm), 0.25),
+        group.case("all stations within [mm]", 0.0, quantile(1.0, Vector3::norm), 0.65),
+        group.case("all stations within, beyond the rounding [mm]", 0.0, quantile(1.0, beyond_rounding), 0.6),
     ]
 }
 
@@ -97,11 +74,7 @@ fn beyond_rounding(offset: &Vector3<f64>) -> f64 {
 
 /// From the file's positions to our backbone at the file's stations.
 fn offsets_of(shape: &Shape, arc_lengths: &[f64]) -> Result<Vec<Vector3<f64>>, String> {
-    let settings = Settings {
-        tolerance: 1e-7,
-        stations: STATIONS,
-        ..Settings::default()
-    };
+    let settings = Settings { tolerance: 1e-7, stations: STATIONS, ..Settings::default() };
     let solved = statics::solve(&robot(shape), &settings).map_err(|error| error.to_string())?;
     Ok(arc_lengths
         .iter()
@@ -112,9 +85,7 @@ fn offsets_of(shape: &Shape, arc_lengths: &[f64]) -> Result<Vec<Vector3<f64>>, S
 
 /// Position by cubic Hermite interpolation with the exact tangent R v; at a spacing of L/240 its error is below 1e-7 m.
 fn position_at(stations: &[Station], s: f64) -> Vector3<f64> {
-    let next = stations
-        .partition_point(|station| station.s < s)
-        .clamp(1, stations.len() - 1);
+    let next = stations.partition_point(|station| station.s < s).clamp(1, stations.len() - 1);
     let (a, b) = (&stations[next - 1], &stations[next]);
     let h = b.s - a.s;
     let t = (s - a.s) / h;
@@ -150,10 +121,7 @@ fn parse(csv: &str) -> Result<Data, String> {
     let rows: Vec<(&str, Vec<f64>)> = lines
         .map(|line| Ok((line.split(',').next().unwrap_or_default(), numbers(line)?)))
         .collect::<Result<_, String>>()?;
-    let shapes = rows
-        .chunks(6)
-        .map(|rows| shape(rows, arc_lengths.len()))
-        .collect::<Result<_, String>>()?;
+    let shapes = rows.chunks(6).map(|rows| shape(rows, arc_lengths.len())).collect::<Result<_, String>>()?;
     Ok(Data { arc_lengths, shapes })
 }
 
@@ -166,18 +134,14 @@ fn shape(rows: &[(&str, Vec<f64>)], stations: usize) -> Result<Shape, String> {
             name.starts_with(label) && row.len() == FIRST_POSITION - 1 + stations
         });
     if !complete {
-        return Err(format!(
-            "the six rows from {first} on are not EulX to Pz with {stations} stations"
-        ));
+        return Err(format!("the six rows from {first} on are not EulX to Pz with {stations} stations"));
     }
     let vector = |first: usize, column: usize| Vector3::from_fn(|axis, _| rows[first + axis].1[column]);
     Ok(Shape {
         gravity: vector(3, 0),
         forces: [vector(3, 1), vector(3, 2)],
         moments: [vector(0, 1), vector(0, 2)],
-        positions: (FIRST_POSITION - 1..FIRST_POSITION - 1 + stations)
-            .map(|i| vector(3, i))
-            .collect(),
+        positions: (FIRST_POSITION - 1..FIRST_POSITION - 1 + stations).map(|i| vector(3, i)).collect(),
     })
 }
 
@@ -185,10 +149,6 @@ fn shape(rows: &[(&str, Vec<f64>)], stations: usize) -> Result<Shape, String> {
 fn numbers(line: &str) -> Result<Vec<f64>, String> {
     line.split(',')
         .skip(1)
-        .map(|cell| {
-            cell.trim()
-                .parse()
-                .map_err(|_| format!("not a number: '{cell}' in '{:.40}...'", line))
-        })
+        .map(|cell| cell.trim().parse().map_err(|_| format!("not a number: '{cell}' in '{:.40}...'", line)))
         .collect()
 }

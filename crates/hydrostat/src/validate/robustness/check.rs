@@ -27,9 +27,7 @@ pub struct Defects {
 impl Defects {
     /// The largest of all; NaN if one is.
     pub fn largest(&self) -> f64 {
-        [self.base, self.balance, self.tip, self.section_law, self.rotation]
-            .into_iter()
-            .fold(0.0, larger)
+        [self.base, self.balance, self.tip, self.section_law, self.rotation].into_iter().fold(0.0, larger)
     }
 }
 
@@ -37,18 +35,12 @@ impl Defects {
 pub fn defects(robot: &Robot, found: &Equilibrium) -> Defects {
     let check = Check::new(robot);
     let (Some(first), Some(last)) = (found.stations.first(), found.stations.last()) else {
-        return Defects {
-            base: f64::NAN,
-            ..Defects::default()
-        };
+        return Defects { base: f64::NAN, ..Defects::default() };
     };
     let states: Vec<State> = found.stations.iter().map(State::of).collect();
     let sum = |a: f64, b: f64| a + b;
-    let base = State {
-        position: robot.base.position,
-        rotation: *robot.base.rotation.matrix(),
-        ..State::of(first)
-    };
+    let base =
+        State { position: robot.base.position, rotation: *robot.base.rotation.matrix(), ..State::of(first) };
     let beyond = check.jump(last.s, &State::of(last));
     let pairs = found.stations.windows(2).zip(states.windows(2));
     Defects {
@@ -57,11 +49,7 @@ pub fn defects(robot: &Robot, found: &Equilibrium) -> Defects {
             .map(|(s, state)| check.distance(&check.integrate(s[0].s, s[1].s, state[0]), &state[1]))
             .fold(0.0, sum),
         tip: check.wrench(&beyond.force, &beyond.moment),
-        section_law: found
-            .stations
-            .iter()
-            .map(|station| check.section_law(station))
-            .fold(0.0, larger),
+        section_law: found.stations.iter().map(|station| check.section_law(station)).fold(0.0, larger),
         rotation: states
             .iter()
             .map(|state| (state.rotation.transpose() * state.rotation - Matrix3::identity()).norm())
@@ -130,13 +118,7 @@ impl Check<'_> {
             }
         }
         breaks.sort_by(f64::total_cmp);
-        Check {
-            robot,
-            length: robot.length(),
-            ei: softest(robot),
-            starts,
-            breaks,
-        }
+        Check { robot, length: robot.length(), ei: softest(robot), starts, breaks }
     }
 
     /// Arc lengths closer than this are the same place.
@@ -151,10 +133,7 @@ impl Check<'_> {
             .find(|&i| s > self.starts[i] && !self.same(s, self.starts[i]))
             .unwrap_or(0);
         let section = &self.robot.sections[index];
-        (
-            section,
-            ((s - self.starts[index]) / section.length).clamp(0.0, 1.0),
-        )
+        (section, ((s - self.starts[index]) / section.length).clamp(0.0, 1.0))
     }
 
     /// Strains v, u from the wrench, in a section (G 13, G 15).
@@ -178,12 +157,7 @@ impl Check<'_> {
         let mut state = *state;
         for load in &self.robot.loads {
             match load.kind {
-                LoadKind::Point {
-                    at,
-                    force,
-                    moment,
-                    frame,
-                } if self.same(at, s) => {
+                LoadKind::Point { at, force, moment, frame } if self.same(at, s) => {
                     let axes = axes(frame, &state);
                     state.force -= axes * force;
                     state.moment -= axes * moment;
@@ -215,11 +189,7 @@ impl Check<'_> {
                 let b = self.rate(s + 0.5 * h, middle, &state.plus(0.5 * h, &a));
                 let c = self.rate(s + 0.5 * h, middle, &state.plus(0.5 * h, &b));
                 let d = self.rate(s + h, middle, &state.plus(h, &c));
-                state = state
-                    .plus(h / 6.0, &a)
-                    .plus(h / 3.0, &b)
-                    .plus(h / 3.0, &c)
-                    .plus(h / 6.0, &d);
+                state = state.plus(h / 6.0, &a).plus(h / 3.0, &b).plus(h / 3.0, &c).plus(h / 6.0, &d);
             }
             start = end;
         }
@@ -235,13 +205,7 @@ impl Check<'_> {
         let mut force = section.material.density * area * self.robot.gravity;
         let mut moment = Vector3::zeros();
         for load in &self.robot.loads {
-            if let LoadKind::Distributed {
-                from,
-                to,
-                force_per_length,
-                moment_per_length,
-                frame,
-            } = load.kind
+            if let LoadKind::Distributed { from, to, force_per_length, moment_per_length, frame } = load.kind
                 && (from..to).contains(&inside)
             {
                 let axes = axes(frame, state);

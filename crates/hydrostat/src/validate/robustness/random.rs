@@ -13,10 +13,7 @@ const REST_ANGLE: f64 = 3.0;
 
 /// The rod of this index; each has its own stream, so that one can be repeated alone.
 pub fn robot(seed: u64, index: usize) -> Robot {
-    let mut random = Random(
-        seed.wrapping_mul(0xD134_2543_DE82_EF95)
-            .wrapping_add(index as u64),
-    );
+    let mut random = Random(seed.wrapping_mul(0xD134_2543_DE82_EF95).wrapping_add(index as u64));
     random.next();
     let length = random.log_uniform(0.05, 2.0);
     let thickness = length / random.log_uniform(10.0, 1000.0);
@@ -28,9 +25,7 @@ pub fn robot(seed: u64, index: usize) -> Robot {
         density: 0.0,
         strain_limit: None,
     };
-    let weights: Vec<f64> = (0..1 + random.below(3))
-        .map(|_| random.uniform(0.3, 1.0))
-        .collect();
+    let weights: Vec<f64> = (0..1 + random.below(3)).map(|_| random.uniform(0.3, 1.0)).collect();
     let total: f64 = weights.iter().sum();
     let sections: Vec<Section> = weights
         .iter()
@@ -59,22 +54,12 @@ pub fn robot(seed: u64, index: usize) -> Robot {
 /// Round, tube or strip; a third of them tapered to between a half and the whole; half of them bent at rest.
 fn section(random: &mut Random, length: f64, total: f64, thickness: f64, material: &Material) -> Section {
     let d = thickness * random.uniform(0.7, 1.0);
-    let taper = if random.chance(0.33) {
-        random.uniform(0.5, 1.0)
-    } else {
-        1.0
-    };
+    let taper = if random.chance(0.33) { random.uniform(0.5, 1.0) } else { 1.0 };
     let ratio = random.uniform(0.3, 0.9);
     let kind = random.below(4);
     let cross_section = |scale: f64| match kind {
-        0 => CrossSection::Tube {
-            diameter: scale * d,
-            inner_diameter: scale * ratio * d,
-        },
-        1 => CrossSection::Strip {
-            width: scale * d,
-            height: scale * ratio * d,
-        },
+        0 => CrossSection::Tube { diameter: scale * d, inner_diameter: scale * ratio * d },
+        1 => CrossSection::Strip { width: scale * d, height: scale * ratio * d },
         _ => CrossSection::Round { diameter: scale * d },
     };
     let rest_curvature = if random.chance(0.5) {
@@ -98,12 +83,8 @@ fn section(random: &mut Random, length: f64, total: f64, thickness: f64, materia
 
 /// Softest E I anywhere: the loads are in its units.
 pub(super) fn softest(robot: &Robot) -> f64 {
-    let ends = robot
-        .sections
-        .iter()
-        .flat_map(|section| [0.0, 1.0].map(|end| section.stiffness(end).1));
-    ends.map(|stiffness| stiffness.x.min(stiffness.y))
-        .fold(f64::INFINITY, f64::min)
+    let ends = robot.sections.iter().flat_map(|section| [0.0, 1.0].map(|end| section.stiffness(end).1));
+    ends.map(|stiffness| stiffness.x.min(stiffness.y)).fold(f64::INFINITY, f64::min)
 }
 
 /// Two rods in three have weight, up to the bound on average over the length.
@@ -127,11 +108,7 @@ fn loads(random: &mut Random, robot: &Robot) -> Vec<Load> {
     let force =
         |random: &mut Random, share: f64| random.uniform(0.0, share * FORCE) * unit * random.direction();
     let frame = |random: &mut Random| {
-        if random.chance(0.15) {
-            Frame::Body
-        } else {
-            Frame::World
-        }
+        if random.chance(0.15) { Frame::Body } else { Frame::World }
     };
     let moment = if random.chance(0.3) {
         random.uniform(0.0, MOMENT) * unit * length * random.direction()
@@ -140,12 +117,8 @@ fn loads(random: &mut Random, robot: &Robot) -> Vec<Load> {
     };
     let others = [random.chance(0.3), random.chance(0.2), random.chance(0.2)];
     let share = 1.0 / (1.0 + others.iter().filter(|other| **other).count() as f64);
-    let mut kinds = vec![LoadKind::Point {
-        at: length,
-        force: force(random, share),
-        moment,
-        frame: frame(random),
-    }];
+    let mut kinds =
+        vec![LoadKind::Point { at: length, force: force(random, share), moment, frame: frame(random) }];
     if others[0] {
         kinds.push(LoadKind::Point {
             at: random.uniform(0.2, 0.95) * length,
@@ -161,10 +134,7 @@ fn loads(random: &mut Random, robot: &Robot) -> Vec<Load> {
         });
     }
     if others[2] {
-        let (from, to) = (
-            random.uniform(0.0, 0.5) * length,
-            random.uniform(0.6, 1.0) * length,
-        );
+        let (from, to) = (random.uniform(0.0, 0.5) * length, random.uniform(0.6, 1.0) * length);
         kinds.push(LoadKind::Distributed {
             from,
             to,
