@@ -28,19 +28,12 @@ fn rod() -> Robot {
             name: name.into(),
             length,
             material: material.clone(),
-            profile: Profile {
-                base,
-                tip,
-                shear_coefficient: 0.9,
-            },
+            profile: Profile { base, tip, shear_coefficient: 0.9 },
             rest_curvature: rest,
             guides: None,
         };
     let round = |diameter| CrossSection::Round { diameter };
-    let strip = CrossSection::Strip {
-        width: 6e-3,
-        height: 3e-3,
-    };
+    let strip = CrossSection::Strip { width: 6e-3, height: 3e-3 };
     let load = |kind| Load { name: None, kind };
     Robot {
         name: "two sections".into(),
@@ -50,13 +43,7 @@ fn rod() -> Robot {
             rotation: Rotation3::from_euler_angles(0.4, 1.0, -0.3),
         },
         sections: vec![
-            section(
-                "proximal",
-                0.2,
-                round(5e-3),
-                round(4e-3),
-                Vector3::new(2.0, -1.0, 3.0),
-            ),
+            section("proximal", 0.2, round(5e-3), round(4e-3), Vector3::new(2.0, -1.0, 3.0)),
             section("distal", 0.2, strip, strip, Vector3::new(0.0, 4.0, -2.0)),
         ],
         loads: vec![
@@ -86,10 +73,7 @@ fn rod() -> Robot {
 
 /// Rods of the sweep beside the one above.
 fn rods() -> Vec<Robot> {
-    (0..10)
-        .map(|index| robustness::robot(7, index))
-        .chain([rod()])
-        .collect()
+    (0..10).map(|index| robustness::robot(7, index)).chain([rod()]).collect()
 }
 
 /// Applies maps to the force-like and moment-like vectors of all loads: in the world and in the body frame.
@@ -100,18 +84,12 @@ fn map_loads(
 ) {
     for load in &mut robot.loads {
         match &mut load.kind {
-            LoadKind::Point {
-                force: f,
-                moment: m,
-                frame,
-                ..
-            } => (*f, *m) = (force(*f, *frame), moment(*m, *frame)),
-            LoadKind::Distributed {
-                force_per_length: f,
-                moment_per_length: m,
-                frame,
-                ..
-            } => (*f, *m) = (force(*f, *frame), moment(*m, *frame)),
+            LoadKind::Point { force: f, moment: m, frame, .. } => {
+                (*f, *m) = (force(*f, *frame), moment(*m, *frame))
+            }
+            LoadKind::Distributed { force_per_length: f, moment_per_length: m, frame, .. } => {
+                (*f, *m) = (force(*f, *frame), moment(*m, *frame))
+            }
             LoadKind::Mass { .. } => {}
         }
     }
@@ -122,18 +100,12 @@ fn distance(a: &Equilibrium, b: &Equilibrium, to_b: impl Fn(Vector3<f64>) -> Vec
     assert_eq!(a.stations.len(), b.stations.len());
     let length = b.stations[b.stations.len() - 1].s;
     let pairs = a.stations.iter().zip(&b.stations);
-    pairs
-        .map(|(a, b)| (to_b(a.position) - b.position).norm())
-        .fold(0.0, f64::max)
-        / length
+    pairs.map(|(a, b)| (to_b(a.position) - b.position).norm()).fold(0.0, f64::max) / length
 }
 
 #[test]
 fn a_rigid_motion_of_everything_moves_the_shape() {
-    let (turn, shift) = (
-        Rotation3::from_euler_angles(1.0, -0.5, 2.0),
-        Vector3::new(1.0, 2.0, -0.5),
-    );
+    let (turn, shift) = (Rotation3::from_euler_angles(1.0, -0.5, 2.0), Vector3::new(1.0, 2.0, -0.5));
     for robot in rods() {
         let mut moved = robot.clone();
         moved.base.position = turn * robot.base.position + shift;
@@ -161,11 +133,7 @@ fn the_mirror_image_of_the_loads_gives_the_mirror_image_of_the_shape() {
             section.rest_curvature = -(body * section.rest_curvature);
         }
         let mirror = |frame| if frame == Frame::World { world } else { body };
-        map_loads(
-            &mut mirrored,
-            |x, frame| mirror(frame) * x,
-            |x, frame| -(mirror(frame) * x),
-        );
+        map_loads(&mut mirrored, |x, frame| mirror(frame) * x, |x, frame| -(mirror(frame) * x));
         let found = distance(&solved(&robot), &solved(&mirrored), |p| world * p);
         assert!(found < CLOSE, "{}: {found:.1e}", robot.name);
     }
@@ -191,9 +159,7 @@ fn units_do_not_matter() {
         }
         for load in &mut scaled.loads {
             match &mut load.kind {
-                LoadKind::Point {
-                    at, force: f, moment, ..
-                } => {
+                LoadKind::Point { at, force: f, moment, .. } => {
                     *at *= length;
                     *f *= force;
                     *moment *= force * length;
@@ -202,13 +168,7 @@ fn units_do_not_matter() {
                     *at *= length;
                     *m *= mass;
                 }
-                LoadKind::Distributed {
-                    from,
-                    to,
-                    force_per_length,
-                    moment_per_length,
-                    ..
-                } => {
+                LoadKind::Distributed { from, to, force_per_length, moment_per_length, .. } => {
                     *from *= length;
                     *to *= length;
                     *force_per_length *= force / length;
@@ -223,20 +183,13 @@ fn units_do_not_matter() {
 
 fn enlarged(section: CrossSection, by: f64) -> CrossSection {
     match section {
-        CrossSection::Round { diameter } => CrossSection::Round {
-            diameter: by * diameter,
-        },
-        CrossSection::Tube {
-            diameter,
-            inner_diameter,
-        } => CrossSection::Tube {
-            diameter: by * diameter,
-            inner_diameter: by * inner_diameter,
-        },
-        CrossSection::Strip { width, height } => CrossSection::Strip {
-            width: by * width,
-            height: by * height,
-        },
+        CrossSection::Round { diameter } => CrossSection::Round { diameter: by * diameter },
+        CrossSection::Tube { diameter, inner_diameter } => {
+            CrossSection::Tube { diameter: by * diameter, inner_diameter: by * inner_diameter }
+        }
+        CrossSection::Strip { width, height } => {
+            CrossSection::Strip { width: by * width, height: by * height }
+        }
     }
 }
 
@@ -293,11 +246,9 @@ fn loads_at_one_place_add_up() {
         match &mut load.kind {
             LoadKind::Point { force, moment, .. } => (*force, *moment) = (0.3 * *force, 0.3 * *moment),
             LoadKind::Mass { mass, .. } => *mass *= 0.3,
-            LoadKind::Distributed {
-                force_per_length: f,
-                moment_per_length: m,
-                ..
-            } => (*f, *m) = (0.3 * *f, 0.3 * *m),
+            LoadKind::Distributed { force_per_length: f, moment_per_length: m, .. } => {
+                (*f, *m) = (0.3 * *f, 0.3 * *m)
+            }
         }
     }
     let mut rest = split.loads.clone();
@@ -307,11 +258,9 @@ fn loads_at_one_place_add_up() {
                 (*force, *moment) = (*force * 7.0 / 3.0, *moment * 7.0 / 3.0)
             }
             LoadKind::Mass { mass, .. } => *mass *= 7.0 / 3.0,
-            LoadKind::Distributed {
-                force_per_length: f,
-                moment_per_length: m,
-                ..
-            } => (*f, *m) = (*f * 7.0 / 3.0, *m * 7.0 / 3.0),
+            LoadKind::Distributed { force_per_length: f, moment_per_length: m, .. } => {
+                (*f, *m) = (*f * 7.0 / 3.0, *m * 7.0 / 3.0)
+            }
         }
     }
     split.loads.extend(rest);
@@ -352,35 +301,17 @@ fn where_a_section_is_divided_does_not_matter() {
 #[test]
 fn the_response_to_small_tip_forces_is_symmetric() {
     let mut robot = rod();
-    robot.loads.retain(|load| {
-        !matches!(
-            load.kind,
-            LoadKind::Point {
-                frame: Frame::Body,
-                ..
-            }
-        )
-    });
+    robot.loads.retain(|load| !matches!(load.kind, LoadKind::Point { frame: Frame::Body, .. }));
     // a moment about a fixed axis has no potential either
     map_loads(&mut robot, |force, _| force, |_, _| Vector3::zeros());
     let step = 1e-3;
-    let tight = Settings {
-        tolerance: 1e-12,
-        ..Settings::default()
-    };
+    let tight = Settings { tolerance: 1e-12, ..Settings::default() };
     let tip = |force: Vector3<f64>| {
         let mut robot = robot.clone();
-        let kind = LoadKind::Point {
-            at: robot.length(),
-            force,
-            moment: Vector3::zeros(),
-            frame: Frame::World,
-        };
+        let kind =
+            LoadKind::Point { at: robot.length(), force, moment: Vector3::zeros(), frame: Frame::World };
         robot.loads.push(Load { name: None, kind });
-        solve(&robot, &tight)
-            .unwrap_or_else(|error| panic!("{error}"))
-            .tip
-            .position
+        solve(&robot, &tight).unwrap_or_else(|error| panic!("{error}")).tip.position
     };
     let column = |axis: Vector3<f64>| (tip(step * axis) - tip(-step * axis)) / (2.0 * step);
     let compliance = Matrix3::from_columns(&[Vector3::x(), Vector3::y(), Vector3::z()].map(column));
