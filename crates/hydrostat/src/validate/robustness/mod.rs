@@ -1,11 +1,13 @@
 //! Random rods: every one ends as an equilibrium that passes an independent check, or as an explained refusal.
 
+mod branch;
 mod check;
 mod random;
 
 use super::{Case, Group};
 use crate::statics::{self, Settings};
 use crate::{Equilibrium, Robot};
+use branch::{Branch, branch};
 pub use check::{Defects, defects};
 pub use random::robot;
 use std::collections::BTreeMap;
@@ -21,6 +23,9 @@ pub struct Sweep {
     pub unstable: usize,
     /// Refusals: message up to its first number, with the indices of the rods.
     pub refused: BTreeMap<String, Vec<usize>>,
+    /// Of the rods followed in small load steps: those that end on the same branch, and the others.
+    pub followed: usize,
+    pub other_branch: Vec<usize>,
     /// Rods whose answer did not pass the check.
     pub faults: Vec<usize>,
     /// Largest defect of an answer, and its rod.
@@ -31,8 +36,8 @@ pub struct Sweep {
 
 /// Largest defect of a converged answer: see [`Defects`]. The check's own Runge-Kutta error is below 1e-7.
 const LARGEST_DEFECT: f64 = 1e-6;
-/// One rod in so many is solved again at a hundredth of the tolerance.
-const SUBSAMPLE: usize = 20;
+/// One rod in so many is solved again at a hundredth of the tolerance, and in a hundred load steps.
+const SUBSAMPLE: usize = 10;
 
 /// Solves and checks the rods 0 to count - 1 of a seed.
 pub fn sweep(count: usize, seed: u64) -> Sweep {
@@ -52,8 +57,15 @@ impl Sweep {
     fn add(&mut self, index: usize, robot: &Robot, found: &Equilibrium, settings: &Settings) {
         let defect = defects(robot, found).largest();
         self.worst = worse(self.worst, (defect, index));
-        let error =
-            if index.is_multiple_of(SUBSAMPLE) { distance_from_finer(robot, found, settings) } else { 0.0 };
+        let mut error = 0.0;
+        if index.is_multiple_of(SUBSAMPLE) {
+            error = distance_from_finer(robot, found, settings);
+            match branch(robot, found, settings) {
+                Branch::Same => self.followed += 1,
+                Branch::Other => self.other_branch.push(index),
+                Branch::Ends => {}
+            }
+        }
         self.worst_error = worse(self.worst_error, (error, index));
         if defect <= LARGEST_DEFECT && error <= settings.tolerance {
             self.converged += 1;
@@ -75,6 +87,12 @@ impl Sweep {
         vec![
             group.case(format!("converged and checked of {} [%]", self.count), 100.0, Ok(share), 0.1),
             group.case("answers that fail the check", 0.0, Ok(self.faults.len() as f64), 0.0),
+            group.case(
+                format!("answers on another branch than {} small load steps", branch::STEPS),
+                0.0,
+                Ok(self.other_branch.len() as f64),
+                0.0,
+            ),
             group.case("largest defect of an answer", 0.0, Ok(self.worst.0), LARGEST_DEFECT),
             group.case(
                 "largest distance from a finer solution / L",
@@ -90,6 +108,8 @@ impl fmt::Display for Sweep {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{} of {} rods converged and checked", self.converged, self.count)?;
         writeln!(f, "{} of them unstable equilibria", self.unstable)?;
+        let (same, other) = (self.followed, &self.other_branch);
+        writeln!(f, "small load steps: {same} on the same branch, others: rods {other:?}")?;
         for (message, rods) in &self.refused {
             writeln!(f, "{} refused: {message}.. (rods {:?})", rods.len(), &rods[..rods.len().min(10)])?;
         }
@@ -114,8 +134,7 @@ fn distance_from_finer(robot: &Robot, found: &Equilibrium, settings: &Settings) 
     let Ok(finer) = statics::solve(robot, &finer) else {
         return f64::NAN;
     };
-    let distances = found.stations.iter().zip(&finer.stations).map(|(a, b)| (a.position - b.position).norm());
-    distances.fold(0.0, f64::max) / robot.length()
+    branch::distance(found, &finer) / robot.length()
 }
 
 /// The larger of two; NaN is the worst of all.
