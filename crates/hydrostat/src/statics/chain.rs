@@ -26,8 +26,8 @@ pub(super) struct Span {
     /// Index into `Robot::sections`, and where that section begins.
     pub(super) section: usize,
     pub(super) section_start: f64,
-    /// K_se^-1, K_bt^-1 diagonals; None where the section tapers.
-    uniform: Option<(Vector3<f64>, Vector3<f64>)>,
+    /// What is the same all along; None where the section tapers.
+    uniform: Option<Uniform>,
     /// Dead force beyond the span's end, world frame.
     force_beyond: Vector3<f64>,
     /// Dead force and moment per length besides the weight, world frame.
@@ -38,6 +38,14 @@ pub(super) struct Span {
     following_moment: Vector3<f64>,
     /// Point loads at the span's end that jump in the unknown wrench.
     pub(super) jump: Jump,
+}
+
+/// A span without taper: K_se^-1, K_bt^-1 diagonals, and weight per length.
+#[derive(Clone, Copy, Debug)]
+struct Uniform {
+    shear: Vector3<f64>,
+    bend: Vector3<f64>,
+    weight: Vector3<f64>,
 }
 
 /// Point loads at one arc length that the unknown part of the wrench sees.
@@ -51,14 +59,22 @@ pub(super) struct Jump {
 }
 
 /// Points of a step: the abscissae of the stages, then the middle.
-const POINTS: usize = STAGES + 1;
+const POINTS: [f64; STAGES + 1] = {
+    let mut points = [0.5; STAGES + 1];
+    let mut i = 0;
+    while i < STAGES {
+        points[i] = C[i];
+        i += 1;
+    }
+    points
+};
 
 /// One integration step with its shape-independent data at its points.
 #[derive(Clone, Debug)]
 pub(super) struct Step {
     pub(super) from: f64,
     pub(super) length: f64,
-    pub(super) stages: [StageData; POINTS],
+    pub(super) stages: [StageData; POINTS.len()],
     pub(super) rest_curvature: Vector3<f64>,
     pub(super) moment_per_length: Vector3<f64>,
     pub(super) following_force: Vector3<f64>,
@@ -90,10 +106,14 @@ impl Chain {
                 section_start += robot.sections[section].length;
                 section += 1;
             }
-            let profile = robot.sections[section].profile;
-            let uniform = (profile.base == profile.tip).then(|| {
-                let (shear, bend) = robot.sections[section].stiffness(0.0);
-                (shear.map(f64::recip), bend.map(f64::recip))
+            let of = &robot.sections[section];
+            let uniform = (of.profile.base == of.profile.tip).then(|| {
+                let (shear, bend) = of.stiffness(0.0);
+                Uniform {
+                    shear: shear.map(f64::recip),
+                    bend: bend.map(f64::recip),
+                    weight: of.material.density * of.cross_section(0.0).area() * robot.gravity,
+                }
             });
             self.spans.push(Span {
                 from: pair[0],
@@ -238,9 +258,9 @@ impl Chain {
 impl Span {
     /// A step from `s` over `length` within this span.
     pub(super) fn step(&self, robot: &Robot, s: f64, length: f64) -> Step {
-        let stages = std::array::from_fn(|i| {
-            let at = s + C.get(i).unwrap_or(&0.5) * length;
-            let (shear, bend) = self.uniform.unwrap_or_else(|| self.compliance(robot, at));
+        let stages = POINTS.map(|c| {
+            let at = s + c * length;
+            let (shear, bend) = self.compliance(robot, at);
             StageData { shear, bend, force: self.dead_force(robot, at) }
         });
         Step {
@@ -266,14 +286,20 @@ impl Span {
 
     /// Diagonals of K_se^-1 and K_bt^-1 at `s`.
     fn compliance(&self, robot: &Robot, s: f64) -> (Vector3<f64>, Vector3<f64>) {
+        if let Some(uniform) = &self.uniform {
+            return (uniform.shear, uniform.bend);
+        }
         let (shear, bend) = robot.sections[self.section].stiffness(self.fraction(robot, s));
         (shear.map(f64::recip), bend.map(f64::recip))
     }
 
     /// Dead force beyond `s`, world frame: what is hung farther out, and the weight (G 6).
     fn dead_force(&self, robot: &Robot, s: f64) -> Vector3<f64> {
-        let section = &robot.sections[self.section];
         let length = self.to - s;
+        if let Some(uniform) = &self.uniform {
+            return self.force_beyond + length * (self.force_per_length + uniform.weight);
+        }
+        let section = &robot.sections[self.section];
         let [near, middle, far] = [s, 0.5 * (s + self.to), self.to]
             .map(|at| section.cross_section(self.fraction(robot, at)).area());
         // Simpson's rule: exact for the quadratic area of a taper

@@ -51,6 +51,7 @@ impl Default for Settings {
 pub struct Workspace {
     chain: Chain,
     steps_per_span: Vec<usize>,
+    order_factor: f64,
     coarse: Mesh,
     fine: Mesh,
     dead: Sweep<2>,
@@ -101,9 +102,10 @@ fn run(
     }
     workspace.warm = false;
     workspace.chain.rebuild(robot);
-    let Workspace { chain, steps_per_span, coarse, fine, dead, follower, .. } = workspace;
+    let Workspace { chain, steps_per_span, order_factor, coarse, fine, dead, follower, .. } = workspace;
     let warm = warm && steps_per_span.len() == chain.spans.len();
-    let mut search = Search { robot, settings, chain, steps_per_span, coarse, fine, iterations: 0 };
+    let mut search =
+        Search { robot, settings, chain, steps_per_span, coarse, fine, order_factor, iterations: 0 };
     let found = if chain.follower { search.run(warm, follower)? } else { search.run(warm, dead)? };
     workspace.warm = true;
     let eigenvalue = (settings.eigenvalue && !workspace.chain.follower).then(|| {

@@ -127,11 +127,12 @@ impl Mesh {
 
     /// Largest angle between the ends of a step.
     pub(super) fn largest_turn(&self) -> f64 {
-        let turn = |pair: &[Node]| {
-            let trace = pair[0].rotation.dot(&pair[1].rotation);
-            ((trace - 1.0) / 2.0).clamp(-1.0, 1.0).acos()
-        };
-        self.nodes.windows(2).map(turn).fold(0.0, f64::max)
+        self.nodes.windows(2).map(|pair| angle(&pair[0], &pair[1])).fold(0.0, f64::max)
+    }
+
+    /// Largest angle between a node and what it was before.
+    pub(super) fn turned_since(&self, before: &[Node]) -> f64 {
+        self.nodes.iter().zip(before).map(|(now, before)| angle(now, before)).fold(0.0, f64::max)
     }
 
     /// Integrates without derivatives: positions, and the largest gap left in scaled units.
@@ -229,6 +230,11 @@ impl Gap {
             .into_iter()
             .fold(0.0, larger_or_nan)
     }
+}
+
+/// Angle between the rotations of two nodes.
+fn angle(a: &Node, b: &Node) -> f64 {
+    ((a.rotation.dot(&b.rotation) - 1.0) / 2.0).clamp(-1.0, 1.0).acos()
 }
 
 /// Of the symmetric part, by the signs of its leading minors (Jacobi).
