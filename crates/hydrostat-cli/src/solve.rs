@@ -34,7 +34,7 @@ pub(crate) struct Args {
     /// How the shape is found
     #[arg(long, value_enum, default_value_t = Method::Shooting)]
     method: Method,
-    /// Shooting intervals [default: as many as the problem needs]
+    /// Shooting intervals; 1 is single shooting [default: one per integration step]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     shooting_intervals: Option<u16>,
 }

@@ -76,7 +76,7 @@ fn stability(stable: Option<bool>, smallest_eigenvalue: Option<f64>) -> String {
     let word = match stable {
         Some(true) => "stable",
         Some(false) => "UNSTABLE",
-        None => return "not known: the loads follow the backbone".to_owned(),
+        None => return "not known: follower loads and moments have no energy".to_owned(),
     };
     smallest_eigenvalue.map_or(word.to_owned(), |value| format!("{word}, smallest eigenvalue {value:.4}"))
 }

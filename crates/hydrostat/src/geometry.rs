@@ -7,7 +7,7 @@ pub fn hat(a: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::new(0.0, -a.z, a.y, a.z, 0.0, -a.x, -a.y, a.x, 0.0)
 }
 
-/// Cayley map: the rotation about `w` by the angle `2 atan(|w| / 2)`; orthogonal for every `w`.
+/// Cayley map, theory (12): the rotation about `w` by the angle `2 atan(|w| / 2)`; orthogonal for every `w`.
 ///
 /// ```text
 /// cay(w) = I + (hat(w) + hat(w)^2 / 2) / (1 + |w|^2 / 4)
@@ -37,7 +37,7 @@ pub fn cayley_coordinates(q: &Matrix3<f64>) -> Vector3<f64> {
     skew * (2.0 / (1.0 + q.trace()))
 }
 
-/// Rate of the Cayley coordinates of `R0^T R` while `R' = R hat(u)`.
+/// Rate of the Cayley coordinates of `R0^T R` while `R' = R hat(u)`, theory (13).
 ///
 /// ```text
 /// w' = u + w x u / 2 + (w . u) w / 4

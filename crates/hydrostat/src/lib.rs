@@ -1,4 +1,4 @@
-//! Statics of continuum robots: special Cosserat rods under loads (and, next, tendons).
+//! Statics of continuum robots: special Cosserat rods under loads. The equations are in `docs/theory.md`.
 //!
 //! [`description`] turns a robot file into a [`model::Robot`]; [`statics::solve`] turns that into a
 //! [`solution::Equilibrium`]; the other modules use it. The core does no I/O: text in, numbers out.
@@ -13,13 +13,13 @@ pub mod model;
 pub mod solution;
 pub mod statics;
 
-// mathematics with no robot
-pub mod geometry;
-pub mod numeric;
-
 // what the shape is used for
 pub mod validate;
 pub mod verify;
+
+// mathematics with no robot
+pub mod geometry;
+pub mod numeric;
 
 pub use error::Error;
 pub use model::Robot;

@@ -138,7 +138,7 @@ impl Section {
         self.profile.base.towards(&self.profile.tip, fraction)
     }
 
-    /// Diagonals of K_se = diag(k G A, k G A, E A) and K_bt = diag(E I1, E I2, G J) (G 12, G 14).
+    /// Diagonals of K_se = diag(k G A, k G A, E A) and K_bt = diag(E I1, E I2, G J), theory (7).
     pub fn stiffness(&self, fraction: f64) -> (Vector3<f64>, Vector3<f64>) {
         let (e, g) = (self.material.youngs_modulus, self.material.shear_modulus);
         let cross_section = self.cross_section(fraction);
@@ -177,7 +177,7 @@ impl CrossSection {
         }
     }
 
-    /// Torsion constant J, m^4: polar moment of a round section, Saint-Venant's series for a strip.
+    /// Torsion constant J, m^4, theory (8): polar moment of a round section, Saint-Venant's series for a strip.
     ///
     /// ```text
     /// J = a b^3 (1/3 - 64 b / (pi^5 a) sum_{n = 1, 3, ..} tanh(n pi a / 2b) / n^5),  a >= b

@@ -48,15 +48,17 @@ pub struct Report {
     pub method: Method,
     /// Newton iterations on all meshes together.
     pub iterations: usize,
-    /// Largest imbalance left, relative to the load's own moment at the base.
+    /// Largest gap left between steps: radians, moments in units of stiffness / length, forces of stiffness / length^2.
     pub residual: f64,
     /// Estimated largest error of a position, m.
     pub error_estimate: f64,
-    /// None where the loads are not conservative.
+    /// None where it is not known: loads other than dead forces have no energy.
     pub stable: Option<bool>,
-    /// Of the energy's second variation scaled by the elastic stiffness; 1 for an unloaded rod.
+    /// Of the energy's second variation scaled by the elastic stiffness, theory (19); 1 for an unloaded rod, None with
+    /// follower loads.
     pub smallest_eigenvalue: Option<f64>,
-    /// Part of the loads at which the branch from the unloaded shape first turned unstable.
+    /// Part of the loads at which the branch from the unloaded shape first turned unstable; not looked for where the
+    /// solver started from a solution.
     pub unstable_from: Option<f64>,
 }
 

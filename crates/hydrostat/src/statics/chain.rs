@@ -293,7 +293,7 @@ impl Span {
         (shear.map(f64::recip), bend.map(f64::recip))
     }
 
-    /// Dead force beyond `s`, world frame: what is hung farther out, and the weight (G 6).
+    /// Dead force beyond `s`, world frame, theory (10): what is hung farther out, and the weight.
     fn dead_force(&self, robot: &Robot, s: f64) -> Vector3<f64> {
         let length = self.to - s;
         if let Some(uniform) = &self.uniform {

@@ -2,6 +2,7 @@
 //! assumes (the thesis's chapter 2.2), in the best balance with the loads that such a shape allows.
 //!
 //! Neither shear nor stretch. The principle of virtual work over constant variations of u gives, per section,
+//! theory (20),
 //!
 //! ```text
 //! integral over the section of ( K_bt (u - u*) - R^T m ) ds = 0
@@ -15,7 +16,7 @@ use crate::geometry::hat;
 use crate::model::{Pose, Robot};
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
 
-/// Whether the backbone's own weight acts; hung masses always do.
+/// Whether the weight of backbone and guides acts; that of hung masses always does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Weight {
     Included,

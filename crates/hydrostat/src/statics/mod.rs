@@ -1,7 +1,7 @@
 //! How the shape of a rod is found: shooting, made trustworthy.
 //!
 //! [`solve`] cuts the backbone into a chain, follows the equilibrium from the unloaded shape to the full
-//! load by damped Newton iterations on a coarse mesh, then halves the steps until two resolutions agree.
+//! load by Newton's method on a coarse mesh, then halves the steps until two resolutions agree.
 
 mod chain;
 mod constant_curvature;
@@ -60,7 +60,7 @@ pub struct Workspace {
     warm: bool,
 }
 
-/// Finds the equilibrium on the branch that starts at the unloaded shape.
+/// Finds the equilibrium on the primary branch, the one that starts at the unloaded shape.
 ///
 /// # Errors
 /// Not converged or not accurate enough (the message says what was tried), or impossible settings.

@@ -115,7 +115,7 @@ fn checks(
     Ok(checks)
 }
 
-/// Largest fibre strain at a point of a step; None where the backbone is turned inside out.
+/// Largest fibre strain at a point of a step, theory (9); None where the backbone is turned inside out.
 fn fibre_strain(
     robot: &Robot,
     section: usize,

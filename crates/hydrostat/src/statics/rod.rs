@@ -56,7 +56,7 @@ impl Loads {
     }
 }
 
-/// The section law (G 13, 15).
+/// The section law, theory (5).
 ///
 /// ```text
 /// R^T n = K_se (v - v*),   R^T m = K_bt (u - u*)
@@ -75,7 +75,7 @@ pub(super) fn section_law(step: &Step, c: usize, factor: f64, node: &Node) -> Se
     strains(step, c, &Loads::at(step, c, factor), node)
 }
 
-/// The equations of the rod (G 3, 4, 6, 11) in any frame at rest.
+/// The equations of the rod, theory (1) to (4), in any frame at rest.
 ///
 /// ```text
 /// R' = R hat(u),   p' = R v,   n' = -f,   m' = -p' x n - l
@@ -93,7 +93,7 @@ fn rates(step: &Step, c: usize, factor: f64, loads: &Loads, node: &Node) -> Rate
 }
 
 /// Integrates one step: the Runge-Kutta method DOP853 in the frame of the start and in Cayley coordinates of
-/// the rotation since then (a Runge-Kutta-Munthe-Kaas method of order 8: R stays a rotation). Returns the
+/// the rotation since then, theory (12, 13): a Runge-Kutta-Munthe-Kaas method of order 8, R stays a rotation. Returns the
 /// node at the end, before any jump, and the change of position.
 pub(super) fn integrate(step: &Step, factor: f64, start: &Node) -> (Node, Vector3<f64>) {
     let h = step.length;
@@ -179,7 +179,7 @@ pub(super) const START: usize = 0;
 pub(super) const END: usize = STAGES - 1;
 pub(super) const MIDDLE: usize = STAGES;
 
-/// The matrix H of the variational equations, by its blocks that are not zero.
+/// The matrix H of the variational equations, theory (14), by its blocks that are not zero.
 ///
 /// ```text
 /// y'  = bend (dm + m x y)
@@ -254,7 +254,7 @@ fn turned(rotation: &Matrix3<f64>, d: &Vector3<f64>) -> Matrix3<f64> {
     scaled * rotation.transpose()
 }
 
-/// Passes a point load: the wrench beyond it lacks what it carries.
+/// Passes a point load, theory (11): the wrench beyond it lacks what it carries.
 pub(super) fn pass(jump: &Jump, factor: f64, node: &mut Node) {
     node.moment -= factor * (jump.moment + node.rotation * jump.following_moment);
     node.force -= factor * (node.rotation * jump.following_force);

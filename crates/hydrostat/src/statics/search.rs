@@ -32,8 +32,8 @@ pub(super) struct Found {
 /// Largest angle of a step of the first mesh: of the rest shape, and of the load as sqrt(n / EI) h, which
 /// keeps conjugate points (pi apart) on different steps.
 const FIRST_ANGLE: f64 = 2.0;
-/// Factor on the error estimate, for what two or three solutions cannot tell; of 10,000 random rods one in a
-/// hundred still has an error between one and three times the estimate (`examples`: none).
+/// Factor on the error estimate, for what two or three solutions cannot tell. It stays an estimate:
+/// `tests/convergence.rs` holds it to a factor of three.
 const SAFETY: f64 = 2.0;
 /// What is assumed of the reduction by halving before it has been seen.
 const UNSEEN_ORDER_FACTOR: f64 = 64.0;
@@ -72,7 +72,7 @@ impl Search<'_> {
             let end = self
                 .newton(Level::Fine, sweep, 1.0, 0.1 * tolerance, true)
                 .map_err(|stuck| self.not_converged(1.0, &stuck))?;
-            // Richardson: the finer of two solutions of order p is off by 1 / (2^p - 1) of their difference
+            // Richardson, theory (17): the finer of two solutions of order p is off by 1 / (2^p - 1) of their difference
             let difference = (self.fine.positions.iter().step_by(2))
                 .zip(&self.coarse.positions)
                 .map(|(fine, coarse)| (fine - coarse).norm())
@@ -121,8 +121,9 @@ impl Search<'_> {
     }
 
     /// Follows the equilibrium on the coarse mesh while all loads grow from zero together, in steps small enough
-    /// that Newton's method contracts from the start: the branch cannot be left unnoticed. Returns the load factor
-    /// at which the branch loses its stability.
+    /// that Newton's method contracts from the start and the shape turns little. Steps below `DAMPED_BELOW` are
+    /// accepted as they converge: past a fold they may land on another branch. Returns the load factor at which
+    /// the branch loses its stability.
     fn follow_load<const N: usize>(&mut self, sweep: &mut Sweep<N>) -> Result<Option<f64>, Error> {
         self.coarse.rest();
         let largest_step = self.settings.largest_load_step;

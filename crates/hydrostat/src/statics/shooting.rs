@@ -3,7 +3,7 @@
 //! One interval is the thesis's method: guess the base wrench, integrate, correct until the tip is free.
 //! With more intervals each starts from a guess of its own and the corrections also close the gaps. Either
 //! way the linear equations are solved by a Riccati sweep from the tip, stable where the transition
-//! matrices grow exponentially: beyond node k the free tip means `dw_k = P_k dy_k + q_k`.
+//! matrices grow exponentially: beyond node k the free tip means `dw_k = P_k dy_k + q_k`, theory (16).
 
 use super::chain::{Chain, Jump, Step};
 use super::rod::{self, Node, Transition};
@@ -68,7 +68,7 @@ impl<const N: usize> Default for Sweep<N> {
 pub(super) struct Linearised {
     /// Largest correction: radians, and wrench in units of stiffness / length (force: / length^2).
     pub(super) correction: f64,
-    /// Number of conjugate points: 0 for a stable equilibrium of dead forces.
+    /// Number of conjugate points, 0 for a stable equilibrium of dead forces; with followers, of negative determinants.
     pub(super) conjugate_points: usize,
 }
 
@@ -223,7 +223,7 @@ impl Mesh {
 }
 
 impl Gap {
-    /// Size in radians and units of stiffness.
+    /// Size: radians, moments in units of stiffness / length, forces of stiffness / length^2.
     fn size(&self, chain: &Chain) -> f64 {
         let moment = chain.length / chain.stiffness;
         [self.rotation.amax(), self.moment.amax() * moment, self.force.amax() * moment * chain.length]
@@ -250,7 +250,7 @@ fn larger_or_nan(a: f64, b: f64) -> f64 {
 }
 
 impl<const N: usize> Sweep<N> {
-    /// Tip to base: at the tip the wrench beyond the last load is zero, `dw + gap = 0`.
+    /// Tip to base, theory (15, 16): at the tip the wrench beyond the last load is zero, `dw + gap = 0`.
     ///
     /// ```text
     /// dy+ = T11 dy + T12 dw + g1,   dw+ = T21 dy + T22 dw + g2,   dw+ = P+ dy+ + q+
@@ -258,9 +258,9 @@ impl<const N: usize> Sweep<N> {
     /// ```
     ///
     /// Returns the number of conjugate points. With dead loads, eliminating node k + 1 from the second variation of
-    /// the energy leaves the pivot `S = (T22 - P+ T12) T12^-1`, so its negative eigenvalues, or those of the congruent
-    /// `T12^T (T22 - P+ T12)`, count the directions in which the energy falls (the inertia of a block elimination).
-    /// With follower loads only a change of sign of the determinant is seen.
+    /// the energy leaves the pivot `S = (T22 - P+ T12) T12^-1`, theory (18), so its negative eigenvalues, or those of
+    /// the congruent `T12^T (T22 - P+ T12)`, count the directions in which the energy falls (the inertia of a block
+    /// elimination). With follower loads only the steps with a negative determinant are counted.
     fn backward(&mut self, gaps: &[Gap]) -> usize {
         let count = self.transitions.len();
         let unknowns = 3 * (N - 1);

@@ -1,4 +1,4 @@
-//! The smallest eigenvalue of the energy's second variation, scaled by the elastic stiffness.
+//! The smallest eigenvalue of the energy's second variation, scaled by the elastic stiffness, theory (19).
 //!
 //! `mu` is an eigenvalue where the second variation minus `mu` times its elastic part is singular, which is the
 //! second variation of a rod `1 / (1 - mu)` times as compliant under the same internal forces. The number of

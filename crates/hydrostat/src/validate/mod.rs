@@ -83,10 +83,10 @@ pub fn markdown(cases: &[Case]) -> String {
         }
         text += "\n";
         for note in unique(group.iter().map(|case| case.source)) {
-            let _ = writeln!(text, "Reference: {note}.");
+            let _ = writeln!(text, "- Reference: {note}.");
         }
         for note in unique(group.iter().map(|case| case.reason)) {
-            let _ = writeln!(text, "Tolerance: {note}.");
+            let _ = writeln!(text, "- Tolerance: {note}.");
         }
         text += "\n";
     }
@@ -96,7 +96,12 @@ pub fn markdown(cases: &[Case]) -> String {
 /// A number with as many decimals as the tolerance makes meaningful: one digit finer than it.
 fn significant(value: f64, tolerance: f64) -> String {
     let decimals = (1.0 - tolerance.max(1e-12).log10().floor()).clamp(0.0, 12.0) as usize;
-    format!("{value:.decimals$}")
+    let text = format!("{value:.decimals$}");
+    // the sign of a zero is a rounding error
+    match text.strip_prefix('-') {
+        Some(zero) if zero.parse() == Ok(0.0) => zero.to_owned(),
+        _ => text,
+    }
 }
 
 fn unique<'a>(notes: impl Iterator<Item = &'a str>) -> Vec<&'a str> {

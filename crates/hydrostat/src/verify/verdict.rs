@@ -19,7 +19,7 @@ pub(super) fn verdict(
     verdict
 }
 
-/// Chi-square test of the weighted residuals against reading alone.
+/// Chi-square test of the weighted residuals against reading alone, theory (21).
 fn within_reading_error(experiment: &Experiment, rows: &[VerifiedRow], model: &Summary) -> String {
     let per_row: usize = experiment.points.iter().map(|point| point.axes.len()).sum();
     let n = (per_row * rows.len()) as f64;
@@ -112,7 +112,7 @@ fn split_runs(signs: &[bool]) -> Vec<(usize, usize)> {
     runs
 }
 
-/// Probability of at most `runs` runs among `plus` and `minus` signs in random order (Wald & Wolfowitz 1940).
+/// Probability of at most `runs` runs among `plus` and `minus` signs in random order, theory (22) (Wald & Wolfowitz 1940).
 ///
 /// ```text
 /// P(R = 2k) = 2 C(a-1, k-1) C(b-1, k-1) / C(a+b, a)
