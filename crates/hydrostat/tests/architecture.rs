@@ -71,6 +71,40 @@ fn every_module_stands_under_a_heading() {
 }
 
 #[test]
+fn the_headings_stand_in_the_order_of_the_map() {
+    let lib = fs::read_to_string(source_folder().join("lib.rs")).expect("lib.rs is readable");
+    let places = HEADINGS.map(|heading| lib.find(&format!("// {heading}")).expect("a heading of lib.rs"));
+    assert!(places.is_sorted(), "{HEADINGS:?} at {places:?}");
+}
+
+#[test]
+fn every_cited_equation_is_in_the_theory_chapter() {
+    let theory = source_folder().join("../../../docs/theory.md");
+    let theory = fs::read_to_string(theory).expect("the theory chapter is readable");
+    let equations: Vec<&str> = theory.lines().filter(|line| line.starts_with("    ")).collect();
+    let mut files = Vec::new();
+    collect(&source_folder(), &mut files);
+    let mut citations = 0;
+    for file in files {
+        let text = fs::read_to_string(&file).expect("a source is readable");
+        for (at, word) in text.match_indices("theory (") {
+            let numbers = text[at + word.len()..].split(')').next().unwrap_or_default();
+            let numbers = numbers.split(|c: char| !c.is_ascii_digit()).filter(|number| !number.is_empty());
+            for number in numbers {
+                citations += 1;
+                let label = format!("   ({number})");
+                assert!(
+                    equations.iter().any(|line| line.contains(&label)),
+                    "{} cites ({number})",
+                    file.display()
+                );
+            }
+        }
+    }
+    assert!(citations > 0);
+}
+
+#[test]
 fn the_rules_catch_what_they_forbid() {
     let lib = "// what the robot is\npub mod model;\n// how its shape is found\npub mod statics;\n\
                // what the shape is used for\npub mod verify;\npub mod validate;\n\

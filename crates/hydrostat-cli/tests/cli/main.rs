@@ -4,6 +4,7 @@
 
 mod new;
 mod outputs;
+mod readme;
 mod refusals;
 mod solve;
 mod validate;
