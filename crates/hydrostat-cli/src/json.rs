@@ -32,6 +32,7 @@ pub(crate) fn solution(robot: &Robot, shape: &Equilibrium, took: Duration) -> Va
             "error_estimate_m": report.error_estimate,
             "stable": report.stable,
             "smallest_eigenvalue": report.smallest_eigenvalue,
+            "unstable_from": report.unstable_from,
             "solve_time_us": took.as_nanos() as f64 / 1e3,
         },
     })

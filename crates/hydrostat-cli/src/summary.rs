@@ -2,7 +2,7 @@
 
 use crate::json::method;
 use crate::text::{MM, components};
-use hydrostat::solution::Check;
+use hydrostat::solution::{Check, Report};
 use hydrostat::{Equilibrium, Robot};
 use std::fmt::Write;
 use std::time::Duration;
@@ -27,7 +27,7 @@ pub(crate) fn text(robot: &Robot, shape: &Equilibrium, took: Duration) -> String
     for check in shape.checks.iter().filter(|check| check.name != STABILITY) {
         line(check.name, check_in_words(check));
     }
-    line("stability", stability(report.stable, report.smallest_eigenvalue));
+    line("stability", stability(report));
     line(
         "error estimate",
         format!("{:.1e} mm (residual {:.1e})", report.error_estimate * MM, report.residual),
@@ -69,14 +69,22 @@ fn check_in_words(check: &Check) -> String {
     };
     let place = check.at.map_or(String::new(), |at| format!(" at s = {:.1} mm", at * MM));
     let word = if check.ok { "" } else { ": FAILS" };
-    format!("{}{place}, limit {}{word}", show(check.value), show(check.limit))
+    let limit = if check.limit.is_finite() {
+        format!("limit {}", show(check.limit))
+    } else {
+        "no limit given".to_owned()
+    };
+    format!("{}{place}, {limit}{word}", show(check.value))
 }
 
-fn stability(stable: Option<bool>, smallest_eigenvalue: Option<f64>) -> String {
-    let word = match stable {
-        Some(true) => "stable",
-        Some(false) => "UNSTABLE",
-        None => return "not known: follower loads and moments have no energy".to_owned(),
+fn stability(report: &Report) -> String {
+    let word = match report.stable {
+        Some(true) => "stable".to_owned(),
+        Some(false) => report.unstable_from.map_or("UNSTABLE".to_owned(), |factor| {
+            format!("UNSTABLE from {:.1} % of the loads", factor * 100.0)
+        }),
+        None => "no direction is unstable, but the loads are not conservative: the robot may still flutter"
+            .to_owned(),
     };
-    smallest_eigenvalue.map_or(word.to_owned(), |value| format!("{word}, smallest eigenvalue {value:.4}"))
+    report.smallest_eigenvalue.map_or(word.clone(), |value| format!("{word}, smallest eigenvalue {value:.4}"))
 }

@@ -94,11 +94,8 @@ pub fn eliminate(rows: &mut [[f64; MAX_UNKNOWNS + 4]; MAX_UNKNOWNS], n: usize) -
     // substitute back
     for k in (0..n).rev() {
         for b in n..width {
-            let mut sum = rows[k][b];
-            for j in k + 1..n {
-                sum -= rows[k][j] * rows[j][b];
-            }
-            rows[k][b] = sum / rows[k][k];
+            let known: f64 = (k + 1..n).map(|j| rows[k][j] * rows[j][b]).sum();
+            rows[k][b] = (rows[k][b] - known) / rows[k][k];
         }
     }
     determinant

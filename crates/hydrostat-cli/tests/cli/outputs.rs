@@ -1,6 +1,6 @@
 //! Files and pipes: complete or not there.
 
-use crate::{Folder, ROD};
+use crate::{Folder, ROD, json};
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 
@@ -82,4 +82,29 @@ fn a_reader_that_leaves_early_is_no_error() {
     drop(reader);
     let output = child.wait_with_output().unwrap();
     assert_eq!((output.status.code(), output.stderr.as_slice()), (Some(0), b"".as_slice()));
+}
+
+/// Every key of the two JSON outputs stands in docs/format.md, in code marks.
+#[test]
+fn the_format_documents_every_key() {
+    fn collect(value: &serde_json::Value, found: &mut Vec<String>) {
+        match value {
+            serde_json::Value::Object(object) => {
+                for (key, value) in object {
+                    found.push(key.clone());
+                    collect(value, found);
+                }
+            }
+            serde_json::Value::Array(values) => values.iter().for_each(|value| collect(value, found)),
+            _ => {}
+        }
+    }
+    let folder = Folder::with("documented", "rod.toml", ROD);
+    let mut found = Vec::new();
+    for command in ["solve rod.toml --json", "verify --json"] {
+        collect(&json(&folder.run(command).succeeds()), &mut found);
+    }
+    let format = include_str!("../../../../docs/format.md");
+    let missing: Vec<_> = found.iter().filter(|key| !format.contains(&format!("`{key}`"))).collect();
+    assert!(missing.is_empty(), "not in docs/format.md: {missing:?}");
 }

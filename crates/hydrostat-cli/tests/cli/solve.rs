@@ -39,6 +39,7 @@ fn json_has_the_keys_of_the_format() {
         "error_estimate_m",
         "stable",
         "smallest_eigenvalue",
+        "unstable_from",
         "solve_time_us",
     ];
     assert_eq!(keys(&value["report"]), report);

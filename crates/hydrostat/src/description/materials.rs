@@ -210,18 +210,28 @@ fn read_shear_modulus(table: &Table, youngs_modulus: f64, warnings: &mut Vec<Err
     Err(node.refuse(expected))
 }
 
+/// Densities of solids, kg/m^3: below, above, and beyond what counting other parts in may explain.
+const LIGHTEST: f64 = 1.0;
+const DENSEST: f64 = 25_000.0;
+const IMPOSSIBLE: f64 = 250_000.0;
+
 fn read_density(table: &Table, warnings: &mut Vec<Error>) -> Result<f64, Error> {
     let node = table.quantity("density", &DENSITY)?;
     let value = node.not_negative(&DENSITY)?;
-    if value > 25_000.0 || (value > 0.0 && value < 1.0) {
-        let text = node.text("")?;
-        let hint = if text.contains("g/mm^3") && value <= 25_000e3 {
-            format!("\"{}\" was probably meant", text.replace("mm^3", "cm^3"))
-        } else {
-            "solids lie between 1 kg/m^3 (aerogels) and 22600 kg/m^3 (osmium)".to_string()
-        };
-        warnings
-            .push(node.error(format!("a density of {} kg/m^3 is implausible", rounded(value))).hint(hint));
+    if value <= DENSEST && (value == 0.0 || value >= LIGHTEST) {
+        return Ok(value);
     }
+    let text = node.text("")?;
+    let hint = if text.contains("g/mm^3") && value <= 1e3 * DENSEST {
+        format!("\"{}\" was probably meant", text.replace("mm^3", "cm^3"))
+    } else {
+        "solids lie between 1 kg/m^3 (aerogels) and 22600 kg/m^3 (osmium)".to_string()
+    };
+    let judged = |word| node.error(format!("a density of {} kg/m^3 is {word}", rounded(value))).hint(hint);
+    // somewhat too dense may be meant: mass of other parts counted in
+    if value > IMPOSSIBLE {
+        return Err(judged("impossible"));
+    }
+    warnings.push(judged("implausible"));
     Ok(value)
 }

@@ -51,9 +51,13 @@ pub(super) fn equilibrium(
 /// The state at `s`, on the base side of a jump.
 pub(super) fn station(robot: &Robot, chain: &Chain, mesh: &Mesh, s: f64) -> Station {
     let k = mesh.steps.partition_point(|step| step.from < s).saturating_sub(1);
-    let span = &chain.spans[chain.span_at(s)];
-    let start = &mesh.steps[k];
-    let part = span.step(robot, start.from, (s - start.from).max(0.0));
+    let step = &mesh.steps[k];
+    // a whole step is taken as it stands, so that the last station is the tip to the last bit
+    let part = if (s - step.from - step.length).abs() <= f64::EPSILON * chain.length {
+        step.clone()
+    } else {
+        chain.spans[chain.span_at(s)].step(robot, step.from, (s - step.from).max(0.0))
+    };
     let (node, displacement) = rod::integrate(&part, 1.0, &mesh.nodes[k]);
     let section = rod::section_law(&part, rod::END, 1.0, &node);
     Station {

@@ -269,11 +269,13 @@ pub(super) fn pass_transition<const N: usize>(
 ) {
     let moment = hat(&(rotation * (factor * jump.following_moment)));
     let force = hat(&(rotation * (factor * jump.following_force)));
-    for column in 0..N {
-        let y = transition[0][column];
-        transition[1][column] += moment * y;
-        if N > 2 {
-            transition[2][column] += force * y;
+    let turn = transition[0];
+    for (entry, y) in transition[1].iter_mut().zip(&turn) {
+        *entry += moment * y;
+    }
+    if N > 2 {
+        for (entry, y) in transition[2].iter_mut().zip(&turn) {
+            *entry += force * y;
         }
     }
 }

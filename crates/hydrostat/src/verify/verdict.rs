@@ -10,7 +10,15 @@ pub(super) fn verdict(
     constant_curvature: &Summary,
 ) -> Vec<String> {
     let mut verdict = vec![within_reading_error(experiment, rows, model)];
-    verdict.extend((0..experiment.inputs.len()).filter_map(|input| systematic(experiment, rows, input)));
+    let judged: Vec<String> =
+        (0..experiment.inputs.len()).filter_map(|input| systematic(experiment, rows, input)).collect();
+    if judged.is_empty() {
+        verdict.push(format!(
+            "Whether the residual is systematic was not tested: that takes {FEWEST_FOR_RUNS} rows in which one input \
+             alone varies."
+        ));
+    }
+    verdict.extend(judged);
     verdict.push(format!(
         "The constant-curvature model errs by {:.2} mm on average, {:.1} times as much.",
         1e3 * constant_curvature.mean,

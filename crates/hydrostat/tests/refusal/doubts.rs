@@ -3,14 +3,6 @@
 use crate::*;
 
 edits! { robot_warning ROD:
-    density_in_the_wrong_unit r#""6.45 g/cm^3""# => r#""6.80 g/mm^3""#, r#"a density of 6800000 kg/m^3 is implausible
-  --> rod.toml:11:11, key material.niti.density
-   |
-11 | density = "6.80 g/mm^3"
-   |           ^^^^^^^^^^^^^
-hint: "6.80 g/cm^3" was probably meant
-"#;
-
     density_of_nothing r#""6.45 g/cm^3""# => r#""0.5 kg/m^3""#, r#"a density of 0.5 kg/m^3 is implausible
   --> rod.toml:11:11, key material.niti.density
    |

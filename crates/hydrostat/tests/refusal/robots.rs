@@ -17,6 +17,14 @@ edits! { robot_error ROD:
    |           ^^^^^^^^^^^^^^
 "#;
 
+    density_in_the_wrong_unit r#""6.45 g/cm^3""# => r#""6.80 g/mm^3""#, r#"a density of 6800000 kg/m^3 is impossible
+  --> rod.toml:11:11, key material.niti.density
+   |
+11 | density = "6.80 g/mm^3"
+   |           ^^^^^^^^^^^^^
+hint: "6.80 g/cm^3" was probably meant
+"#;
+
     poisson_ratio_too_large "= 0.33" => "= 0.7", r#"found 0.7, expected a number above -1 and at most 0.5
   --> rod.toml:10:17, key material.niti.poisson_ratio
    |
