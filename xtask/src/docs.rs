@@ -7,7 +7,7 @@ use std::fs;
 const PRINTED: [(&str, &[&str]); 1] = [("docs/validation.md", &["validate", "--markdown"])];
 
 /// File, and the arguments that write it; the file's name follows.
-const DRAWN: [(&str, &[&str]); 1] = [("docs/gray2009.svg", &["solve", "robots/gray2009_rod.toml", "--plot"])];
+const DRAWN: [(&str, &[&str]); 1] = [("docs/gray2009.svg", &["verify", "--plot"])];
 
 /// Builds the program with the features of the tests.
 pub(crate) fn build() -> Result<(), String> {

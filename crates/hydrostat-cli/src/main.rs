@@ -9,6 +9,7 @@ mod comparison;
 mod files;
 mod json;
 mod new;
+mod plot;
 mod solve;
 mod summary;
 mod text;

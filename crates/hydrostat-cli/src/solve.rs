@@ -1,16 +1,13 @@
 //! `hydrostat solve`: the shape of a robot under its loads.
 
+use crate::plot::Format;
 use crate::{Outcome, files, json, summary, warn};
 use clap::ValueEnum;
+use hydrostat::Error;
 use hydrostat::description;
 use hydrostat::statics::{self, Settings};
-use hydrostat::{Equilibrium, Error, Robot};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
-
-/// Pixels per unit of the drawing.
-#[cfg(feature = "png")]
-const PNG_SCALE: f32 = 2.0;
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
@@ -46,7 +43,7 @@ enum Method {
 }
 
 pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
-    let plot = args.plot.as_deref().map(|path| Ok((path, Format::of(path)?))).transpose()?;
+    let plot = args.plot.as_deref().map(|path| Format::of(path).map(|format| (path, format))).transpose()?;
     let parsed = description::parse_robot(&files::read_text(&args.robot)?, &args.robot.to_string_lossy())?;
     warn(&parsed.warnings);
     let robot = parsed.value;
@@ -65,7 +62,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
     let shape = statics::solve(&robot, &settings)?;
 
     if let Some((path, format)) = plot {
-        files::write(path, &format.draw(&robot, &shape)?)?;
+        files::write(path, &format.encode(hydrostat_report::shape_svg(&robot, &shape))?)?;
     }
     let failures = summary::failures(&shape);
     let stdout = if args.json {
@@ -89,41 +86,4 @@ fn station_count(text: &str) -> Result<usize, String> {
 fn tolerance(text: &str) -> Result<f64, String> {
     let value = text.parse().map_err(|_| "expected a number such as 1e-9".to_owned())?;
     if (1e-12..=1e-2).contains(&value) { Ok(value) } else { Err("expected 1e-12 to 1e-2".to_owned()) }
-}
-
-/// A kind of drawing, known by the file's ending.
-#[derive(Clone, Copy)]
-enum Format {
-    Svg,
-    #[cfg(feature = "png")]
-    Png,
-}
-
-impl Format {
-    fn of(path: &Path) -> Result<Format, Error> {
-        match path.extension().map(|extension| extension.to_ascii_lowercase()) {
-            Some(extension) if extension == "svg" => Ok(Format::Svg),
-            #[cfg(feature = "png")]
-            Some(extension) if extension == "png" => Ok(Format::Png),
-            #[cfg(not(feature = "png"))]
-            Some(extension) if extension == "png" => {
-                Err(Error::new("this build of hydrostat draws SVG only")
-                    .hint("name a file .svg, or build with `--features png`"))
-            }
-            _ => {
-                Err(Error::new(format!("cannot draw into {}: expected a file .svg or .png", path.display())))
-            }
-        }
-    }
-
-    fn draw(self, robot: &Robot, shape: &Equilibrium) -> Result<Vec<u8>, Error> {
-        let svg = hydrostat_report::shape_svg(robot, shape);
-        match self {
-            Format::Svg => Ok(svg.into_bytes()),
-            #[cfg(feature = "png")]
-            Format::Png => {
-                hydrostat_report::svg_to_png(&svg, PNG_SCALE).map_err(|error| Error::new(error.to_string()))
-            }
-        }
-    }
 }

@@ -1,5 +1,6 @@
 //! `hydrostat verify`: the model against a measured bench.
 
+use crate::plot::Format;
 use crate::{Outcome, comparison, files, json, warn};
 use hydrostat::Error;
 use hydrostat::description::{self, Parsed, builtin};
@@ -17,18 +18,26 @@ pub(crate) struct Args {
     /// Write a page to print, DIR/index.html
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
+    /// Draw the predicted shapes and the observed points over a 1 mm grid into a file .svg or .png
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
 }
 
 pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
     if let Some(folder) = &args.report {
         files::refuse_file(folder)?;
     }
+    let plot = args.plot.as_deref().map(|path| Format::of(path).map(|format| (path, format))).transpose()?;
     let mut files = Vec::new();
     let parsed = read(args.experiment.as_deref(), &mut files)?;
     warn(&parsed.warnings);
     let experiment = parsed.value;
     let settings = Settings::default();
     let verification = verify(&experiment, &settings)?;
+    if let Some((path, format)) = plot {
+        let drawing = hydrostat_report::verification_svg(&experiment, &verification);
+        files::write(path, &format.encode(drawing)?)?;
+    }
     if let Some(folder) = &args.report {
         let page = page(&experiment, &verification, &settings, files);
         files::make_folder(folder)?;

@@ -22,7 +22,7 @@ mod png;
 mod text;
 mod ticks;
 
-pub use page::{Provenance, verification_page};
+pub use page::{Provenance, verification_page, verification_svg};
 #[cfg(feature = "png")]
 pub use png::{PngError, svg_to_png};
 pub use shape::shape_svg;

@@ -77,6 +77,12 @@ pub fn verification_page(
         .expect("the template is part of the program")
 }
 
+/// The drawing of that page alone: predicted shapes and observed points over the grid, in the first plane that was read.
+pub fn verification_svg(experiment: &Experiment, verification: &Verification) -> String {
+    let plane = &planes(experiment, verification)[..1];
+    shapes_svgs(experiment, verification, plane, &row_names(experiment, verification)).concat()
+}
+
 /// Whether rows are named by their number: unless one varied input tells them apart.
 fn numbered(experiment: &Experiment) -> bool {
     experiment.inputs.len() != 1
