@@ -45,14 +45,17 @@ const CONTRACTION: f64 = 0.5;
 const MAX_ITERATIONS: usize = 50;
 /// Newton's corrections are damped only where the load steps have become this small.
 const DAMPED_BELOW: f64 = 1.0 / 64.0;
-const SMALLEST_LOAD_STEP: f64 = 1.0 / 4096.0;
+/// A first unstable shape is accepted only where the load steps have become this small.
+const UNSTABLE_BELOW: f64 = 1.0 / 4096.0;
+const SMALLEST_LOAD_STEP: f64 = 1.0 / 65_536.0;
 /// A load step may turn no cross-section by more (radians).
 const LARGEST_LOAD_TURN: f64 = 0.7;
-/// A mesh is halved where load steps become this small, and where a step turns by more (radians).
+/// A mesh is halved where load steps become this small (so many times at most), and where a step turns by more (radians).
 const REFINED_BELOW: f64 = 1.0 / 8.0;
+const MOST_REFINEMENTS: usize = 5;
 const LARGEST_TURN: f64 = 1.5;
 /// Accuracy on the way to the full load: enough to start the next step.
-const ON_THE_WAY: f64 = 1e-3;
+const ON_THE_WAY: f64 = 1e-7;
 
 impl Search<'_> {
     pub(super) fn run<const N: usize>(&mut self, warm: bool, sweep: &mut Sweep<N>) -> Result<Found, Error> {
@@ -111,7 +114,7 @@ impl Search<'_> {
 
     /// The coarse solution serves the error estimate, where its own error is divided by 2^p - 1.
     fn coarse_target(&self) -> f64 {
-        (10.0 * self.settings.tolerance).min(ON_THE_WAY)
+        (10.0 * self.settings.tolerance).min(1e-3)
     }
 
     /// Steps per span for the first mesh.
@@ -126,15 +129,14 @@ impl Search<'_> {
     }
 
     /// Follows the equilibrium on the coarse mesh while all loads grow from zero together, in steps small enough
-    /// that Newton's method contracts from the start and the shape turns little. Steps below `DAMPED_BELOW` are
-    /// accepted as they converge: past a fold they may land on another branch. Returns the load factor at which
+    /// that Newton's method contracts from the start and the shape turns little. Returns the load factor at which
     /// the branch loses its stability.
     fn follow_load<const N: usize>(&mut self, sweep: &mut Sweep<N>) -> Result<Option<f64>, Error> {
         self.coarse.rest();
         let largest_step = self.settings.largest_load_step;
         let (mut reached, mut step) = (0.0, largest_step);
         let mut unstable_from = None;
-        let mut may_refine = true;
+        let (mut may_refine, mut refinements) = (true, 0);
         let mut nodes = self.coarse.nodes.clone();
         while reached < 1.0 {
             let factor = (reached + step).min(1.0);
@@ -144,7 +146,7 @@ impl Search<'_> {
             let unstable =
                 outcome.as_ref().is_ok_and(|end| end.conjugate_points > 0) && unstable_from.is_none();
             let strayed = self.coarse.turned_since(&nodes) > LARGEST_LOAD_TURN;
-            if outcome.is_ok() && !(unstable || strayed) || outcome.is_ok() && step < DAMPED_BELOW {
+            if outcome.is_ok() && !strayed && (!unstable || step < UNSTABLE_BELOW) {
                 reached = factor;
                 unstable_from = unstable_from.or(unstable.then_some(factor));
                 may_refine = true;
@@ -155,9 +157,10 @@ impl Search<'_> {
             } else {
                 self.coarse.nodes.clone_from(&nodes);
                 step *= 0.5;
-                if step < REFINED_BELOW && may_refine {
+                if step < REFINED_BELOW && may_refine && refinements < MOST_REFINEMENTS {
                     // the mesh may be what keeps Newton's method from contracting
                     may_refine = false;
+                    refinements += 1;
                     self.refine(reached);
                     step *= 4.0;
                 }
@@ -222,7 +225,12 @@ impl Search<'_> {
             if scale == 1.0 && ahead <= target {
                 let residual = mesh.residual(chain, factor);
                 if residual <= target.max(ROUNDING) {
-                    return Ok(Converged { residual, conjugate_points: now.conjugate_points });
+                    // the linearisation was at the shape before the correction: a doubt is settled at the last
+                    let conjugate_points = match now.conjugate_points {
+                        0 => 0,
+                        _ => mesh.linearise(chain, factor, 1.0, sweep).conjugate_points,
+                    };
+                    return Ok(Converged { residual, conjugate_points });
                 }
             }
             last = now.correction;

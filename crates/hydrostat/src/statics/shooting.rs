@@ -116,7 +116,7 @@ impl Mesh {
 
     /// Starts from the solution on a mesh whose steps are `parts` times as long.
     pub(super) fn prolong(&mut self, coarse: &Mesh, factor: f64, parts: usize) {
-        for k in 0..self.steps.len() {
+        for k in 0..=self.steps.len() {
             if k % parts == 0 {
                 self.nodes[k] = coarse.nodes[k / parts];
             } else {
