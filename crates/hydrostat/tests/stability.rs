@@ -10,6 +10,12 @@ use std::f64::consts::PI;
 const SLENDER: f64 = 1e-5;
 /// What the solver itself calls an eigenvalue of 1.
 const UNLOADED: f64 = 1e-3;
+/// The largest load step in which the branch may turn unstable unseen, with one more for the mesh's own error.
+const LOAD_STEP: f64 = 2.0 / 64.0;
+
+/// Parts of Euler's load.
+const BELOW: [f64; 5] = [-1.0, 0.01, 0.5, 0.9, 0.999];
+const JUST_ABOVE: [f64; 4] = [1.001, 1.05, 2.0, 8.9];
 
 /// An upright column of unit length and unit bending stiffness, base to tip along z.
 fn column() -> Robot {
@@ -74,7 +80,7 @@ fn an_unloaded_rod_has_the_eigenvalue_one() {
 /// The second variation EI phi'^2 - P phi^2 over EI phi'^2 is least for the buckling mode: 1 - P / P_critical.
 #[test]
 fn a_column_has_the_eigenvalue_of_euler() {
-    for part in [-1.0, 0.01, 0.5, 0.9, 0.999] {
+    for part in BELOW {
         let found = solved(&thrust(part));
         let eigenvalue = found.report.smallest_eigenvalue.expect("asked for");
         // in tension the eigenvalues accumulate at 1 from above, and 1 stands for them
@@ -87,15 +93,33 @@ fn a_column_has_the_eigenvalue_of_euler() {
 
 #[test]
 fn beyond_eulers_load_the_straight_column_is_unstable_and_the_check_fails() {
-    for part in [1.001, 1.05, 2.0, 8.9] {
+    for part in JUST_ABOVE {
         let found = solved(&thrust(part));
         let eigenvalue = found.report.smallest_eigenvalue.expect("asked for");
         assert!((eigenvalue - (1.0 - part)).abs() < SLENDER * part, "{part} of Euler's load: {eigenvalue}");
         assert_eq!(found.report.stable, Some(false));
         assert_eq!(stability_check(&found), Some((eigenvalue, false)));
-        let from = found.report.unstable_from.expect("the branch lost its stability");
-        // load steps of at most 1/64 there
-        assert!((from * part - 1.0).abs() < 2.0 * part / 64.0, "unstable from {from} of {part}");
+    }
+}
+
+/// Also where the eigenvalue is not asked for, nothing unstable may be called stable.
+#[test]
+fn conjugate_points_alone_find_the_same_answer() {
+    for part in BELOW.into_iter().chain(JUST_ABOVE) {
+        for tolerance in [1e-3, 1e-6, 1e-9] {
+            let settings = Settings { tolerance, eigenvalue: false, ..Settings::default() };
+            let found = solve(&thrust(part), &settings).unwrap_or_else(|error| panic!("{error}"));
+            assert_eq!(found.report.stable, Some(part < 1.0), "{part} of Euler's load, {tolerance:e}");
+        }
+    }
+}
+
+#[test]
+fn an_unstable_answer_says_from_which_load_on() {
+    for part in JUST_ABOVE {
+        let report = solved(&thrust(part)).report;
+        let from = report.unstable_from.unwrap_or_else(|| panic!("{part} of Euler's load: {report:?}"));
+        assert!((from * part - 1.0).abs() < LOAD_STEP * part, "unstable from {from} of {part}");
     }
 }
 

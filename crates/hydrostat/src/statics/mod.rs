@@ -16,6 +16,7 @@ pub use constant_curvature::{Arcs, Weight, constant_curvature};
 use crate::solution::Station;
 use crate::{Equilibrium, Error, Robot};
 use chain::Chain;
+use rod::Node;
 use search::Search;
 use shooting::{Mesh, Sweep};
 
@@ -54,6 +55,8 @@ pub struct Workspace {
     order_factor: f64,
     coarse: Mesh,
     fine: Mesh,
+    /// The coarse mesh's nodes at the last load step, to go back to.
+    reached: Vec<Node>,
     dead: Sweep<2>,
     follower: Sweep<3>,
     /// Whether `coarse` holds a converged solution.
@@ -102,10 +105,11 @@ fn run(
     }
     workspace.warm = false;
     workspace.chain.rebuild(robot);
-    let Workspace { chain, steps_per_span, order_factor, coarse, fine, dead, follower, .. } = workspace;
+    let Workspace { chain, steps_per_span, order_factor, coarse, fine, reached, dead, follower, .. } =
+        workspace;
     let warm = warm && steps_per_span.len() == chain.spans.len();
     let mut search =
-        Search { robot, settings, chain, steps_per_span, coarse, fine, order_factor, iterations: 0 };
+        Search { robot, settings, chain, steps_per_span, coarse, fine, reached, order_factor, iterations: 0 };
     let found = if chain.follower { search.run(warm, follower)? } else { search.run(warm, dead)? };
     workspace.warm = true;
     let eigenvalue = (settings.eigenvalue && !workspace.chain.follower).then(|| {

@@ -2,6 +2,7 @@
 
 use super::Settings;
 use super::chain::Chain;
+use super::rod::Node;
 use super::shooting::{Mesh, Sweep};
 use crate::numeric::dop853;
 use crate::{Error, Robot};
@@ -14,6 +15,8 @@ pub(super) struct Search<'a> {
     pub(super) steps_per_span: &'a mut Vec<usize>,
     pub(super) coarse: &'a mut Mesh,
     pub(super) fine: &'a mut Mesh,
+    /// The coarse mesh's nodes at the last load step.
+    pub(super) reached: &'a mut Vec<Node>,
     /// By how much halving the steps reduces the error; 2^8 in the limit.
     pub(super) order_factor: &'a mut f64,
     pub(super) iterations: usize,
@@ -129,7 +132,7 @@ impl Search<'_> {
         let (mut reached, mut step) = (0.0, largest_step);
         let mut unstable_from = None;
         let mut may_refine = true;
-        let mut nodes = self.coarse.nodes.clone();
+        self.reached.clone_from(&self.coarse.nodes);
         while reached < 1.0 {
             let factor = (reached + step).min(1.0);
             let target = if factor < 1.0 { ON_THE_WAY } else { self.coarse_target() };
@@ -137,7 +140,7 @@ impl Search<'_> {
             // the load at which a branch turns unstable is met in small steps
             let unstable =
                 outcome.as_ref().is_ok_and(|end| end.conjugate_points > 0) && unstable_from.is_none();
-            let strayed = self.coarse.turned_since(&nodes) > LARGEST_LOAD_TURN;
+            let strayed = self.coarse.turned_since(self.reached) > LARGEST_LOAD_TURN;
             if outcome.is_ok() && !(unstable || strayed) || outcome.is_ok() && step < DAMPED_BELOW {
                 reached = factor;
                 unstable_from = unstable_from.or(unstable.then_some(factor));
@@ -147,7 +150,7 @@ impl Search<'_> {
                     self.refine(reached);
                 }
             } else {
-                self.coarse.nodes.clone_from(&nodes);
+                self.coarse.nodes.clone_from(self.reached);
                 step *= 0.5;
                 if step < REFINED_BELOW && may_refine {
                     // the mesh may be what keeps Newton's method from contracting
@@ -159,7 +162,7 @@ impl Search<'_> {
                     return Err(self.not_converged(reached, &outcome.err().unwrap_or_default()));
                 }
             }
-            nodes.clone_from(&self.coarse.nodes);
+            self.reached.clone_from(&self.coarse.nodes);
         }
         Ok(unstable_from)
     }
