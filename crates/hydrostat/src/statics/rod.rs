@@ -445,23 +445,21 @@ pub(super) mod tests {
     /// Change of the end over a change of the start, by central differences; with the load at the end passed or not.
     fn differences<const N: usize>(end: impl Fn(&Node) -> Node, start: &Node) -> Transition<N> {
         let mut blocks = [[Matrix3::zeros(); N]; N];
-        for of in 0..N {
-            for axis in 0..3 {
-                let moved = |by: f64| {
-                    let (mut node, by) = (*start, by * Vector3::ith(axis, 1.0));
-                    match of {
-                        0 => node.rotation = cayley(&by) * node.rotation,
-                        1 => node.moment += by,
-                        _ => node.force += by,
-                    }
-                    end(&node)
-                };
-                let (ahead, behind) = (moved(DIFFERENCE), moved(-DIFFERENCE));
-                let turned = cayley_coordinates(&(ahead.rotation * behind.rotation.transpose()));
-                let changes = [turned, ahead.moment - behind.moment, ahead.force - behind.force];
-                for (row, change) in changes.iter().enumerate().take(N) {
-                    blocks[row][of].set_column(axis, &(change / (2.0 * DIFFERENCE)));
+        for (of, axis) in (0..N).flat_map(|of| [0, 1, 2].map(|axis| (of, axis))) {
+            let moved = |by: f64| {
+                let (mut node, by) = (*start, by * Vector3::ith(axis, 1.0));
+                match of {
+                    0 => node.rotation = cayley(&by) * node.rotation,
+                    1 => node.moment += by,
+                    _ => node.force += by,
                 }
+                end(&node)
+            };
+            let (ahead, behind) = (moved(DIFFERENCE), moved(-DIFFERENCE));
+            let turned = cayley_coordinates(&(ahead.rotation * behind.rotation.transpose()));
+            let changes = [turned, ahead.moment - behind.moment, ahead.force - behind.force];
+            for (row, change) in changes.iter().enumerate().take(N) {
+                blocks[row][of].set_column(axis, &(change / (2.0 * DIFFERENCE)));
             }
         }
         blocks
