@@ -102,12 +102,12 @@ fn rates(robot: &Robot, s: f64, section: (usize, f64), state: &State) -> State {
     let mut f = section.material.density * section.cross_section(fraction).area() * robot.gravity;
     let mut l = Vector3::zeros();
     for load in &robot.loads {
-        if let LoadKind::Distributed { from, to, force_per_length, moment_per_length, frame } = load.kind {
-            if from < s && s < to {
-                let turn = |x| if frame == Frame::Body { rotate(&state.q, &x) } else { x };
-                f += turn(force_per_length);
-                l += turn(moment_per_length);
-            }
+        if let LoadKind::Distributed { from, to, force_per_length, moment_per_length, frame } = load.kind
+            && (from < s && s < to)
+        {
+            let turn = |x| if frame == Frame::Body { rotate(&state.q, &x) } else { x };
+            f += turn(force_per_length);
+            l += turn(moment_per_length);
         }
     }
     let p = rotate(&state.q, &v);
