@@ -146,7 +146,7 @@ pub fn verify(experiment: &Experiment, settings: &Settings) -> Result<Verificati
             |error: Error| error.within(&format!("row {} ({})", number + 1, experiment.inputs_of(row)));
         let robot = experiment.robot_in(&experiment.robot, row);
         let mut workspace = Workspace::default();
-        let settings = Settings { stations: SHAPE_POINTS, ..settings.clone() };
+        let settings = Settings { stations: SHAPE_POINTS, eigenvalue: false, ..settings.clone() };
         let shape = solve_in(&robot, &settings, &mut workspace).map_err(in_row)?;
         let of_constant_curvature = constant_curvature(&robot, Weight::Included).map_err(in_row)?;
         arcs[1].push(constant_curvature(&robot, Weight::Ignored).map_err(in_row)?);
@@ -230,7 +230,7 @@ impl Experiment {
 
     /// Predicted points of every row, bench axes.
     fn predict(&self, robot: &Robot, settings: &Settings) -> Result<Vec<Vec<Vector3<f64>>>, Error> {
-        let settings = Settings { stations: 0, ..settings.clone() };
+        let settings = Settings { stations: 0, eigenvalue: false, ..settings.clone() };
         let mut workspace = Workspace::default();
         let predict = |row: &Row| {
             let robot = self.robot_in(robot, row);

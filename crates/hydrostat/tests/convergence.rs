@@ -1,6 +1,8 @@
 //! How the error falls with what is asked for.
 
-use hydrostat::statics::{Settings, solve};
+use hydrostat::description::builtin;
+use hydrostat::model::LoadKind;
+use hydrostat::statics::{Settings, Workspace, solve, solve_near};
 use hydrostat::validate::robustness;
 
 /// The largest distance from a solution at 1e-12 stays below what was asked for, and so does its estimate, which is right
@@ -24,6 +26,35 @@ fn the_error_and_its_estimate_are_below_the_tolerance() {
             // the reference itself is good to 1e-12
             let bound = asked.min(3.0 * estimate) + 1e-11 * robot.length();
             assert!(error <= bound, "{}, {tolerance:.0e}: {error:.1e} > {bound:.1e}", robot.name);
+        }
+    }
+}
+
+/// What `cargo bench` times is as accurate as its names say: cold, and warm from a mass 1 % away, at every mass of the thesis.
+#[test]
+fn the_benchmarked_solves_are_as_accurate_as_they_claim() {
+    let bench = builtin::experiment().expect("the built-in experiment is read").value;
+    for row in &bench.rows {
+        let robot = bench.robot_in(&bench.robot, row);
+        let mut lighter = robot.clone();
+        for load in &mut lighter.loads {
+            if let LoadKind::Mass { mass, .. } = &mut load.kind {
+                *mass *= 0.99;
+            }
+        }
+        let at =
+            |tolerance: f64| Settings { tolerance, stations: 0, eigenvalue: false, ..Settings::default() };
+        let answer = "every row has an answer";
+        let exact = solve(&robot, &at(1e-12)).expect(answer).tip.position;
+        for tolerance in [1e-6, 1e-9] {
+            let mut workspace = Workspace::default();
+            let cold = solve(&robot, &at(tolerance)).expect(answer);
+            solve_near(&lighter, &at(tolerance), &mut workspace).expect(answer);
+            let warm = solve_near(&robot, &at(tolerance), &mut workspace).expect(answer);
+            for (start, found) in [("cold", cold), ("warm", warm)] {
+                let error = (found.tip.position - exact).norm() / robot.length();
+                assert!(error < tolerance, "{start}, {:?} kg, {tolerance:e}: {error:.1e}", row.inputs);
+            }
         }
     }
 }

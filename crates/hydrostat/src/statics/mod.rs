@@ -16,8 +16,11 @@ pub use constant_curvature::{Arcs, Weight, constant_curvature};
 use crate::solution::Station;
 use crate::{Equilibrium, Error, Robot};
 use chain::Chain;
-use search::Search;
+use report::Judged;
+use rod::Node;
+use search::{Found, Search};
 use shooting::{Mesh, Sweep};
+use stability::SecondVariation;
 
 /// How accurately to solve and how much to report.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,6 +57,8 @@ pub struct Workspace {
     order_factor: f64,
     coarse: Mesh,
     fine: Mesh,
+    /// The coarse mesh's nodes at the last load step, to go back to.
+    reached: Vec<Node>,
     dead: Sweep<2>,
     follower: Sweep<3>,
     /// Whether `coarse` holds a converged solution.
@@ -102,18 +107,47 @@ fn run(
     }
     workspace.warm = false;
     workspace.chain.rebuild(robot);
-    let Workspace { chain, steps_per_span, order_factor, coarse, fine, dead, follower, .. } = workspace;
+    let Workspace { chain, steps_per_span, order_factor, coarse, fine, reached, dead, follower, .. } =
+        workspace;
     let warm = warm && steps_per_span.len() == chain.spans.len();
-    let mut search =
-        Search { robot, settings, chain, steps_per_span, coarse, fine, order_factor, iterations: 0 };
+    let mut search = Search {
+        robot,
+        settings,
+        chain,
+        steps_per_span,
+        coarse,
+        fine,
+        reached,
+        order_factor,
+        iterations: 0,
+        work: 0,
+    };
     let found = if chain.follower { search.run(warm, follower)? } else { search.run(warm, dead)? };
     workspace.warm = true;
-    let eigenvalue = (settings.eigenvalue && !workspace.chain.follower).then(|| {
-        let Workspace { chain, steps_per_span, fine, dead, .. } = &mut *workspace;
+    let judged = judge(robot, settings, workspace, &found);
+    report::equilibrium(robot, settings, &workspace.chain, &workspace.fine, &found, &judged)
+}
+
+/// Below this determinant of the Riccati sweep the mesh of the shape is too coarse to judge stability.
+const DOUBTFUL_PIVOT: f64 = 0.3;
+
+/// Whether the energy falls in some direction from the shape just found.
+fn judge(robot: &Robot, settings: &Settings, workspace: &mut Workspace, found: &Found) -> Judged {
+    let Workspace { chain, steps_per_span, fine, dead, .. } = workspace;
+    let doubtful = found.conjugate_points > 0 || found.smallest_pivot < DOUBTFUL_PIVOT;
+    let (mut falls, mut smallest_eigenvalue) = (found.conjugate_points > 0, None);
+    if !chain.follower && (settings.eigenvalue || doubtful) {
         let steps: Vec<usize> = steps_per_span.iter().map(|count| 2 * count).collect();
-        stability::smallest_eigenvalue(robot, chain, fine, &steps, dead)
-    });
-    report::equilibrium(robot, settings, &workspace.chain, &workspace.fine, &found, eigenvalue)
+        let mut second_variation = SecondVariation::new(robot, chain, fine, &steps, dead);
+        falls = second_variation.eigenvalues_below(0.0) > 0;
+        smallest_eigenvalue = settings.eigenvalue.then(|| second_variation.smallest_eigenvalue());
+    }
+    Judged {
+        // loads that have no energy may set a rod in motion even where no direction is downhill
+        stable: if falls { Some(false) } else { chain.conservative.then_some(true) },
+        smallest_eigenvalue,
+        unstable_from: found.unstable_from.or(falls.then_some(1.0)),
+    }
 }
 
 impl Workspace {

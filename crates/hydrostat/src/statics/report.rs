@@ -10,6 +10,13 @@ use crate::model::{Pose, Robot};
 use crate::solution::{Check, Equilibrium, Method, Report, Station};
 use nalgebra::{Rotation3, Vector3};
 
+/// What is known of the stability.
+pub(super) struct Judged {
+    pub(super) stable: Option<bool>,
+    pub(super) smallest_eigenvalue: Option<f64>,
+    pub(super) unstable_from: Option<f64>,
+}
+
 /// Reads the equilibrium off the fine mesh.
 pub(super) fn equilibrium(
     robot: &Robot,
@@ -17,7 +24,7 @@ pub(super) fn equilibrium(
     chain: &Chain,
     mesh: &Mesh,
     found: &Found,
-    smallest_eigenvalue: Option<f64>,
+    judged: &Judged,
 ) -> Result<Equilibrium, Error> {
     let tip = mesh.nodes[mesh.steps.len()];
     let stations = match settings.stations {
@@ -26,24 +33,21 @@ pub(super) fn equilibrium(
             .map(|i| station(robot, chain, mesh, chain.length * i as f64 / (count.max(2) - 1) as f64))
             .collect(),
     };
-    let falls = smallest_eigenvalue.map_or(found.conjugate_points > 0, |eigenvalue| eigenvalue <= 0.0);
-    // loads that have no energy may set a rod in motion even where no direction is downhill
-    let stable = if falls { Some(false) } else { chain.conservative.then_some(true) };
     Ok(Equilibrium {
         tip: Pose {
             position: mesh.positions[mesh.steps.len()],
             rotation: Rotation3::from_matrix_unchecked(tip.rotation),
         },
         stations,
-        checks: checks(robot, chain, mesh, stable, smallest_eigenvalue)?,
+        checks: checks(robot, chain, mesh, judged)?,
         report: Report {
             method: Method::Shooting,
             iterations: found.iterations,
             residual: found.residual,
             error_estimate: found.error_estimate,
-            stable,
-            smallest_eigenvalue,
-            unstable_from: found.unstable_from,
+            stable: judged.stable,
+            smallest_eigenvalue: judged.smallest_eigenvalue,
+            unstable_from: judged.unstable_from,
         },
     })
 }
@@ -72,13 +76,7 @@ pub(super) fn station(robot: &Robot, chain: &Chain, mesh: &Mesh, s: f64) -> Stat
 }
 
 /// Strain against the limit of each material, and stability.
-fn checks(
-    robot: &Robot,
-    chain: &Chain,
-    mesh: &Mesh,
-    stable: Option<bool>,
-    smallest_eigenvalue: Option<f64>,
-) -> Result<Vec<Check>, Error> {
+fn checks(robot: &Robot, chain: &Chain, mesh: &Mesh, judged: &Judged) -> Result<Vec<Check>, Error> {
     let mut checks = Vec::new();
     let mut worst: Option<Check> = None;
     for (k, step) in mesh.steps.iter().enumerate() {
@@ -112,8 +110,8 @@ fn checks(
         }
     }
     checks.extend(worst);
-    if let Some(ok) = stable {
-        let value = smallest_eigenvalue.unwrap_or(f64::NAN);
+    if let Some(ok) = judged.stable {
+        let value = judged.smallest_eigenvalue.unwrap_or(f64::NAN);
         checks.push(Check { name: "stability", value, limit: 0.0, ok, at: None });
     }
     Ok(checks)

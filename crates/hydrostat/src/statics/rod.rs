@@ -279,3 +279,234 @@ pub(super) fn pass_transition<const N: usize>(
         }
     }
 }
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::super::chain::Chain;
+    use super::*;
+    use crate::Robot;
+    use crate::model::{CrossSection, Frame, Load, LoadKind, Material, Pose, Profile, Section};
+    use nalgebra::Rotation3;
+    use std::f64::consts::PI;
+
+    /// Stated orders of the state and of its transition, and how far an observed order may be from them.
+    const STATE_ORDER: f64 = 8.0;
+    const TRANSITION_ORDER: f64 = 4.0;
+    const ORDER_MARGIN: f64 = 0.2;
+    /// Steps of the transition that is held against differences: its own error is then below 1e-8.
+    const STEPS: usize = 256;
+    /// Step of the central differences in units of 1, and what they leave: h^2, and the rounding of 256 steps, 1e-12 / h.
+    const DIFFERENCE: f64 = 1e-5;
+    const LEFT_BY_DIFFERENCES: f64 = 1e-7;
+
+    /// A tapered rod of unit length, stiffness near 1, bent and twisted at rest, under dead loads in space and, if
+    /// asked for, such that follow it. At the tip forces and moments of the same kinds.
+    pub(in super::super) fn tapered_rod(follower: bool) -> Robot {
+        let diameter: f64 = 0.1;
+        let youngs_modulus = 64.0 / (PI * diameter.powi(4));
+        let round = |diameter| CrossSection::Round { diameter };
+        let of = |frame, scale: f64| {
+            let point = LoadKind::Point {
+                at: 1.0,
+                force: scale * Vector3::new(0.5, 0.4, -0.3),
+                moment: scale * Vector3::new(-0.2, 0.3, 0.1),
+                frame,
+            };
+            let distributed = LoadKind::Distributed {
+                from: 0.0,
+                to: 1.0,
+                force_per_length: scale * Vector3::new(-0.6, 0.8, 0.5),
+                moment_per_length: scale * Vector3::new(0.2, -0.3, 0.4),
+                frame,
+            };
+            [point, distributed].map(|kind| Load { name: None, kind })
+        };
+        let mut loads = Vec::from(of(Frame::World, 1.0));
+        if follower {
+            loads.extend(of(Frame::Body, -0.7));
+        }
+        Robot {
+            name: "tapered rod".into(),
+            gravity: Vector3::new(0.2, -0.3, -1.0),
+            base: Pose { position: Vector3::zeros(), rotation: Rotation3::from_euler_angles(0.4, 1.0, -0.3) },
+            sections: vec![Section {
+                name: "tapered".into(),
+                length: 1.0,
+                material: Material {
+                    name: "unit stiffness".into(),
+                    youngs_modulus,
+                    shear_modulus: youngs_modulus / 2.6,
+                    density: 100.0,
+                    strain_limit: None,
+                },
+                profile: Profile {
+                    base: round(diameter),
+                    tip: round(0.8 * diameter),
+                    shear_coefficient: 0.9,
+                },
+                rest_curvature: Vector3::new(1.0, -1.5, 0.8),
+                guides: None,
+            }],
+            loads,
+        }
+    }
+
+    /// The one span of a robot in equal steps, with a load at its end.
+    fn steps(robot: &Robot, count: usize) -> (Vec<Step>, Jump) {
+        let mut chain = Chain::default();
+        chain.rebuild(robot);
+        let length = 1.0 / count as f64;
+        let step = |i| chain.spans[0].step(robot, i as f64 * length, length);
+        ((0..count).map(step).collect(), chain.spans[0].jump)
+    }
+
+    /// A wrench at the base as large as the loads make it.
+    fn start(robot: &Robot, follower: bool) -> Node {
+        let force = if follower { Vector3::new(-0.4, 0.9, 0.3) } else { Vector3::zeros() };
+        Node { rotation: *robot.base.rotation.matrix(), moment: Vector3::new(0.8, -0.6, 0.5), force }
+    }
+
+    fn integrate_all(steps: &[Step], factor: f64, start: Node) -> (Node, Vector3<f64>) {
+        steps.iter().fold((start, Vector3::zeros()), |(node, position), step| {
+            let (end, displacement) = integrate(step, factor, &node);
+            (end, position + displacement)
+        })
+    }
+
+    fn transition_of_all<const N: usize>(steps: &[Step], start: Node) -> Transition<N> {
+        let identity: Transition<N> = std::array::from_fn(|i| {
+            std::array::from_fn(|j| if i == j { Matrix3::identity() } else { Matrix3::zeros() })
+        });
+        let mut node = start;
+        steps.iter().fold(identity, |product, step| {
+            let end = integrate(step, 1.0, &node).0;
+            let factor = transition::<N>(step, 1.0, 1.0, &node, &end);
+            node = end;
+            std::array::from_fn(|i| {
+                std::array::from_fn(|j| (0..N).map(|k| factor[i][k] * product[k][j]).sum())
+            })
+        })
+    }
+
+    /// The observed order falls to 8 from above while the steps shorten, and reaches it just before rounding does. The rest
+    /// curvature, loads and steps are therefore chosen, by a scan over them, so that the range in between is wide enough.
+    #[test]
+    fn the_state_converges_with_order_eight() {
+        for (follower, rest, load) in [(false, 0.5, 0.8), (true, 0.9, 0.7)] {
+            let mut robot = tapered_rod(follower);
+            robot.sections[0].rest_curvature *= rest;
+            let mut start = start(&robot, follower);
+            start.moment *= load;
+            start.force *= load;
+            let at = |count| integrate_all(&steps(&robot, count).0, load, start);
+            let (exact, exact_position) = at(24);
+            let errors = [8, 12].map(|count| {
+                let (end, position) = at(count);
+                [
+                    (end.rotation - exact.rotation).norm(),
+                    (end.moment - exact.moment).norm() + (end.force - exact.force).norm(),
+                    (position - exact_position).norm(),
+                ]
+            });
+            for (i, name) in ["rotation", "wrench", "position"].into_iter().enumerate() {
+                let order = (errors[0][i] / errors[1][i]).ln() / 1.5_f64.ln();
+                assert!((order - STATE_ORDER).abs() <= ORDER_MARGIN, "{name}: order {order:.2}, {errors:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_transition_converges_with_order_four() {
+        fn observed<const N: usize>(follower: bool) {
+            let robot = tapered_rod(follower);
+            let at = |count| transition_of_all::<N>(&steps(&robot, count).0, start(&robot, follower));
+            let exact = at(1024);
+            let error = |count| {
+                flat::<N>(&at(count))
+                    .iter()
+                    .zip(flat::<N>(&exact))
+                    .map(|(a, b)| (a - b).powi(2))
+                    .sum::<f64>()
+                    .sqrt()
+            };
+            let (coarse, fine) = (error(32), error(64));
+            let order = (coarse / fine).log2();
+            assert!(
+                (order - TRANSITION_ORDER).abs() <= ORDER_MARGIN,
+                "N = {N}: {order:.2}, {coarse:e}, {fine:e}"
+            );
+        }
+        observed::<2>(false);
+        observed::<3>(true);
+    }
+
+    fn flat<const N: usize>(transition: &Transition<N>) -> Vec<f64> {
+        transition.iter().flatten().flat_map(|block| block.iter().copied()).collect()
+    }
+
+    /// Change of the end over a change of the start, by central differences; with the load at the end passed or not.
+    fn differences<const N: usize>(end: impl Fn(&Node) -> Node, start: &Node) -> Transition<N> {
+        let mut blocks = [[Matrix3::zeros(); N]; N];
+        for (of, axis) in (0..N).flat_map(|of| [0, 1, 2].map(|axis| (of, axis))) {
+            let moved = |by: f64| {
+                let (mut node, by) = (*start, by * Vector3::ith(axis, 1.0));
+                match of {
+                    0 => node.rotation = cayley(&by) * node.rotation,
+                    1 => node.moment += by,
+                    _ => node.force += by,
+                }
+                end(&node)
+            };
+            let (ahead, behind) = (moved(DIFFERENCE), moved(-DIFFERENCE));
+            let turned = cayley_coordinates(&(ahead.rotation * behind.rotation.transpose()));
+            let changes = [turned, ahead.moment - behind.moment, ahead.force - behind.force];
+            for (row, change) in changes.iter().enumerate().take(N) {
+                blocks[row][of].set_column(axis, &(change / (2.0 * DIFFERENCE)));
+            }
+        }
+        blocks
+    }
+
+    fn assert_equal<const N: usize>(name: &str, ours: &Transition<N>, expected: &Transition<N>) {
+        for i in 0..N {
+            for j in 0..N {
+                let off = (ours[i][j] - expected[i][j]).amax();
+                assert!(off < LEFT_BY_DIFFERENCES, "{name}, N = {N}, block {i}{j}: {off:.1e}");
+            }
+        }
+    }
+
+    fn assert_derivatives<const N: usize>(follower: bool) {
+        let robot = tapered_rod(follower);
+        let (steps, jump) = steps(&robot, STEPS);
+        let start = start(&robot, follower);
+        let mut ours = transition_of_all::<N>(&steps, start);
+        let end = |node: &Node| integrate_all(&steps, 1.0, *node).0;
+        assert_equal("transition", &ours, &differences::<N>(end, &start));
+        pass_transition(&jump, 1.0, &end(&start).rotation, &mut ours);
+        let beyond = |node: &Node| {
+            let mut node = end(node);
+            pass(&jump, 1.0, &mut node);
+            node
+        };
+        assert_equal("with the load passed", &ours, &differences::<N>(beyond, &start));
+    }
+
+    #[test]
+    fn the_transition_is_the_derivative_of_the_integration() {
+        assert_derivatives::<2>(false);
+        assert_derivatives::<3>(false);
+        assert_derivatives::<3>(true);
+    }
+
+    /// One step as the solver takes it: the same derivative, up to the transition's own order in the step.
+    #[test]
+    fn one_short_step_has_the_same_derivative() {
+        let robot = tapered_rod(true);
+        let steps = steps(&robot, STEPS).0;
+        let start = start(&robot, true);
+        let end = |node: &Node| integrate(&steps[0], 1.0, node).0;
+        let ours = transition::<3>(&steps[0], 1.0, 1.0, &start, &end(&start));
+        assert_equal("one step", &ours, &differences::<3>(end, &start));
+    }
+}

@@ -2,6 +2,7 @@
 
 use super::Settings;
 use super::chain::Chain;
+use super::rod::Node;
 use super::shooting::{Mesh, Sweep};
 use crate::numeric::dop853;
 use crate::{Error, Robot};
@@ -14,9 +15,13 @@ pub(super) struct Search<'a> {
     pub(super) steps_per_span: &'a mut Vec<usize>,
     pub(super) coarse: &'a mut Mesh,
     pub(super) fine: &'a mut Mesh,
+    /// The coarse mesh's nodes at the last load step.
+    pub(super) reached: &'a mut Vec<Node>,
     /// By how much halving the steps reduces the error; 2^8 in the limit.
     pub(super) order_factor: &'a mut f64,
     pub(super) iterations: usize,
+    /// Steps linearised so far.
+    pub(super) work: usize,
 }
 
 /// What the search found, beside the nodes of the fine mesh.
@@ -24,6 +29,8 @@ pub(super) struct Found {
     pub(super) residual: f64,
     pub(super) error_estimate: f64,
     pub(super) conjugate_points: usize,
+    /// Smallest determinant of the Riccati sweep: 1 without load, 0 at a critical load.
+    pub(super) smallest_pivot: f64,
     /// Load factor at which the branch first lost its stability.
     pub(super) unstable_from: Option<f64>,
     pub(super) iterations: usize,
@@ -39,6 +46,8 @@ const FIRST_TOLERANCE: f64 = 1e-6;
 const SAFETY: f64 = 3.0;
 /// What is assumed of the reduction by halving before it has been seen.
 const UNSEEN_ORDER_FACTOR: f64 = 128.0;
+/// A search that has linearised so many steps (about a second's work) is given up.
+const MOST_WORK: usize = 1_000_000;
 const MAX_STEPS: usize = 20_000;
 /// Newton's corrections must shrink at least by this factor, or the start is too far for the same branch.
 const CONTRACTION: f64 = 0.5;
@@ -88,25 +97,26 @@ impl Search<'_> {
                 None => *self.order_factor,
             };
             last_difference = Some(difference);
-            let error_estimate = SAFETY * difference / (*self.order_factor - 1.0)
-                + (end.residual + f64::EPSILON * self.fine.steps.len() as f64) * self.chain.length;
+            let rounding = (end.residual + f64::EPSILON * self.fine.steps.len() as f64) * self.chain.length;
+            let error_estimate = SAFETY * difference / (*self.order_factor - 1.0) + rounding;
             if error_estimate <= tolerance * self.chain.length {
                 self.steps_per_span.iter_mut().for_each(|count| *count /= 2);
                 return Ok(Found {
                     residual: end.residual,
                     error_estimate,
                     conjugate_points: end.conjugate_points,
+                    smallest_pivot: end.smallest_pivot,
                     unstable_from,
                     iterations: self.iterations,
                 });
             }
-            if self.fine.steps.len() > MAX_STEPS {
+            if self.fine.steps.len() > MAX_STEPS || rounding > tolerance * self.chain.length {
                 return Err(Error::new(format!(
                     "the shape is known to {error_estimate:.1e} m only, on {} steps, not to {:.1e} m",
                     self.fine.steps.len(),
                     tolerance * self.chain.length
                 ))
-                .hint("ask for a larger tolerance"));
+                .hint(self.remedy("ask for a larger tolerance")));
             }
             std::mem::swap(self.coarse, self.fine);
         }
@@ -137,7 +147,7 @@ impl Search<'_> {
         let (mut reached, mut step) = (0.0, largest_step);
         let mut unstable_from = None;
         let (mut may_refine, mut refinements) = (true, 0);
-        let mut nodes = self.coarse.nodes.clone();
+        self.reached.clone_from(&self.coarse.nodes);
         while reached < 1.0 {
             let factor = (reached + step).min(1.0);
             let target = if factor < 1.0 { ON_THE_WAY } else { self.coarse_target() };
@@ -145,7 +155,7 @@ impl Search<'_> {
             // the load at which a branch turns unstable is met in small steps
             let unstable =
                 outcome.as_ref().is_ok_and(|end| end.conjugate_points > 0) && unstable_from.is_none();
-            let strayed = self.coarse.turned_since(&nodes) > LARGEST_LOAD_TURN;
+            let strayed = self.coarse.turned_since(self.reached) > LARGEST_LOAD_TURN;
             if outcome.is_ok() && !strayed && (!unstable || step < UNSTABLE_BELOW) {
                 reached = factor;
                 unstable_from = unstable_from.or(unstable.then_some(factor));
@@ -155,7 +165,7 @@ impl Search<'_> {
                     self.refine(reached);
                 }
             } else {
-                self.coarse.nodes.clone_from(&nodes);
+                self.coarse.nodes.clone_from(self.reached);
                 step *= 0.5;
                 if step < REFINED_BELOW && may_refine && refinements < MOST_REFINEMENTS {
                     // the mesh may be what keeps Newton's method from contracting
@@ -164,11 +174,11 @@ impl Search<'_> {
                     self.refine(reached);
                     step *= 4.0;
                 }
-                if step < SMALLEST_LOAD_STEP {
+                if step < SMALLEST_LOAD_STEP || self.work > MOST_WORK {
                     return Err(self.not_converged(reached, &outcome.err().unwrap_or_default()));
                 }
             }
-            nodes.clone_from(&self.coarse.nodes);
+            self.reached.clone_from(&self.coarse.nodes);
         }
         Ok(unstable_from)
     }
@@ -208,9 +218,15 @@ impl Search<'_> {
         for _ in 0..MAX_ITERATIONS {
             let now = mesh.linearise(chain, factor, 1.0, sweep);
             self.iterations += 1;
+            self.work += mesh.steps.len();
+            if self.work > MOST_WORK {
+                return Err(Stuck { correction: now.correction });
+            }
             let contraction = now.correction / last;
+            // corrections that have come down to rounding shrink no more; the residual says what that leaves
+            let rounding = now.correction <= ROUNDING_CORRECTION && contraction > CONTRACTION;
             let shrinks = contraction <= if scale < 1.0 { 1.0 - 0.25 * scale } else { CONTRACTION };
-            if !(shrinks || last == f64::INFINITY && now.correction.is_finite()) {
+            if !(shrinks || rounding || last == f64::INFINITY && now.correction.is_finite()) {
                 scale *= 0.5;
                 if !may_damp || scale < 1e-3 || last == f64::INFINITY {
                     return Err(Stuck { correction: now.correction });
@@ -222,15 +238,15 @@ impl Search<'_> {
             // what the next correction will be, from the contraction so far
             let ahead =
                 now.correction * contraction.min(QUADRATIC * now.correction).max(1e-3 * now.correction);
-            if scale == 1.0 && ahead <= target {
+            if scale == 1.0 && (ahead <= target || rounding) {
                 let residual = mesh.residual(chain, factor);
-                if residual <= target.max(ROUNDING) {
+                if residual <= target.max(ROUNDING) || rounding && residual <= ROUNDING_CORRECTION {
                     // the linearisation was at the shape before the correction: a doubt is settled at the last
                     let conjugate_points = match now.conjugate_points {
                         0 => 0,
                         _ => mesh.linearise(chain, factor, 1.0, sweep).conjugate_points,
                     };
-                    return Ok(Converged { residual, conjugate_points });
+                    return Ok(Converged { residual, conjugate_points, smallest_pivot: now.smallest_pivot });
                 }
             }
             last = now.correction;
@@ -241,22 +257,34 @@ impl Search<'_> {
 
     fn not_converged(&self, reached: f64, stuck: &Stuck) -> Error {
         Error::new(format!(
-            "no equilibrium found beyond {:.1} % of the loads: {} Newton iterations on {} shooting steps, \
-             load steps down to 1/{:.0}, last correction {:.1e}",
+            "no equilibrium found beyond {:.1} % of the loads: {} Newton iterations, on {} steps in the end, \
+             last correction {:.1e}",
             100.0 * reached,
             self.iterations,
             self.coarse.steps.len(),
-            1.0 / SMALLEST_LOAD_STEP,
             stuck.correction
         ))
-        .hint("the rod probably snaps or buckles there: lower the loads, or stiffen or shorten the rod")
+        .hint(self.remedy(
+            "the rod probably snaps or buckles there: lower the loads, or stiffen or shorten the rod",
+        ))
+    }
+
+    /// Few shooting intervals are the likelier cause of a failure than anything else.
+    fn remedy(&self, otherwise: &'static str) -> &'static str {
+        match self.settings.shooting_intervals {
+            Some(intervals) if intervals < self.coarse.steps.len() => {
+                "so few shooting intervals may be ill-conditioned here: leave their number to the solver"
+            }
+            _ => otherwise,
+        }
     }
 }
 
 /// Of two iterations, how much faster than linear: correction_(k+1) < QUADRATIC correction_k^2.
 const QUADRATIC: f64 = 10.0;
-/// Smallest residual that rounding allows.
+/// Smallest residual that rounding allows, and size of the corrections that it may cause in few, long intervals.
 const ROUNDING: f64 = 1e-12;
+const ROUNDING_CORRECTION: f64 = 1e-10;
 
 /// Which of the two meshes.
 #[derive(Clone, Copy)]
@@ -268,6 +296,7 @@ enum Level {
 struct Converged {
     residual: f64,
     conjugate_points: usize,
+    smallest_pivot: f64,
 }
 
 #[derive(Default)]

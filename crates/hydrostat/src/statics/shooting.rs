@@ -70,6 +70,8 @@ pub(super) struct Linearised {
     pub(super) correction: f64,
     /// Number of conjugate points, 0 for a stable equilibrium of dead forces; with followers, of negative determinants.
     pub(super) conjugate_points: usize,
+    /// Smallest determinant of the sweep: 1 without load, 0 where a conjugate point reaches a node.
+    pub(super) smallest_pivot: f64,
 }
 
 impl Mesh {
@@ -190,11 +192,11 @@ impl Mesh {
                 self.gaps[k] = if k + 1 == count { self.gap(k, &end) } else { Gap::default() };
             }
         }
-        let conjugate_points = sweep.backward(&self.gaps);
+        let (conjugate_points, smallest_pivot) = sweep.backward(&self.gaps);
         sweep.forward(&self.gaps, &mut self.corrections);
         let correction =
             self.corrections.iter().map(|correction| correction.size(chain)).fold(0.0, larger_or_nan);
-        Linearised { correction, conjugate_points }
+        Linearised { correction, conjugate_points, smallest_pivot }
     }
 
     /// Adds the corrections to the nodes that start an interval.
@@ -261,7 +263,7 @@ impl<const N: usize> Sweep<N> {
     /// the energy leaves the pivot `S = (T22 - P+ T12) T12^-1`, theory (18), so its negative eigenvalues, or those of
     /// the congruent `T12^T (T22 - P+ T12)`, count the directions in which the energy falls (the inertia of a block
     /// elimination). With follower loads only the steps with a negative determinant are counted.
-    fn backward(&mut self, gaps: &[Gap]) -> usize {
+    fn backward(&mut self, gaps: &[Gap]) -> (usize, f64) {
         let count = self.transitions.len();
         let unknowns = 3 * (N - 1);
         let free = Feedback {
@@ -272,7 +274,7 @@ impl<const N: usize> Sweep<N> {
         };
         self.feedback.clear();
         self.feedback.resize(count + 1, free);
-        let mut negative = 0;
+        let (mut negative, mut smallest) = (0, f64::INFINITY);
         for k in (0..count).rev() {
             let (t, gap, beyond) = (&self.transitions[k], &gaps[k], &self.feedback[k + 1]);
             let mut rows = [[0.0; MAX_UNKNOWNS + 4]; MAX_UNKNOWNS];
@@ -301,6 +303,7 @@ impl<const N: usize> Sweep<N> {
                 }
             }
             let determinant = eliminate(&mut rows, unknowns);
+            smallest = determinant.min(smallest);
             negative += if N == 2 {
                 let left = t[1][1] - beyond.moment * t[0][1];
                 negative_eigenvalues(&t[0][1].tr_mul(&left))
@@ -317,7 +320,7 @@ impl<const N: usize> Sweep<N> {
                 here.force_offset = vector(3);
             }
         }
-        negative
+        (negative, smallest)
     }
 
     /// Base to tip: the base does not turn.
@@ -334,5 +337,86 @@ impl<const N: usize> Sweep<N> {
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::rod::tests::tapered_rod;
+    use super::*;
+
+    /// Steps of the mesh: the transitions' own error is then 1e-8.
+    const STEPS: usize = 256;
+    /// Step of the central differences, and what they and the transitions leave, relative to the derivative.
+    const DIFFERENCE: f64 = 1e-5;
+    const LEFT: f64 = 1e-6;
+    /// Newton's iterations from rest; they converge quadratically.
+    const ITERATIONS: usize = 12;
+
+    /// Converges on the full loads with the base turned by a small world rotation.
+    fn solved<const N: usize>(follower: bool, turn: &Vector3<f64>) -> (Chain, Mesh, Sweep<N>) {
+        let robot = tapered_rod(follower);
+        let (mut chain, mut mesh, mut sweep) = (Chain::default(), Mesh::default(), Sweep::<N>::default());
+        chain.rebuild(&robot);
+        mesh.rebuild(&robot, &chain, &[STEPS], usize::MAX);
+        mesh.nodes[0].rotation = cayley(turn) * mesh.nodes[0].rotation;
+        mesh.rest();
+        for _ in 0..ITERATIONS {
+            mesh.linearise(&chain, 1.0, 1.0, &mut sweep);
+            mesh.correct();
+        }
+        assert!(mesh.residual(&chain, 1.0) < 1e-11, "Newton's method converged");
+        (chain, mesh, sweep)
+    }
+
+    fn assert_close(name: &str, ours: &Matrix3<f64>, expected: &Matrix3<f64>) {
+        let off = (ours - expected).amax() / expected.amax();
+        assert!(off < LEFT, "{name}: {off:.1e}");
+    }
+
+    /// P at the base: how the wrench that keeps the tip free changes where the base is turned.
+    fn assert_feedback<const N: usize>(follower: bool) {
+        let sweep = solved::<N>(follower, &Vector3::zeros()).2;
+        let (mut moment, mut force) = (Matrix3::zeros(), Matrix3::zeros());
+        for axis in 0..3 {
+            let by = |h: f64| solved::<N>(follower, &(h * Vector3::ith(axis, 1.0))).1.nodes[0];
+            let (ahead, behind) = (by(DIFFERENCE), by(-DIFFERENCE));
+            moment.set_column(axis, &((ahead.moment - behind.moment) / (2.0 * DIFFERENCE)));
+            force.set_column(axis, &((ahead.force - behind.force) / (2.0 * DIFFERENCE)));
+        }
+        assert_close("moment", &sweep.feedback[0].moment, &moment);
+        if N > 2 {
+            assert_close("force", &sweep.feedback[0].force, &force);
+        }
+    }
+
+    #[test]
+    fn the_feedback_is_the_derivative_of_the_base_wrench() {
+        assert_feedback::<2>(false);
+        assert_feedback::<3>(true);
+    }
+
+    /// From a base wrench that is off, single shooting's correction is -J^-1 r with J by differences.
+    #[test]
+    fn the_correction_is_that_of_newtons_method() {
+        let robot = tapered_rod(false);
+        let (chain, mesh, _) = solved::<2>(false, &Vector3::zeros());
+        let off = mesh.nodes[0].moment + Vector3::new(0.02, -0.03, 0.01);
+        let tip_moment = |moment: Vector3<f64>| {
+            let mut single = Mesh::default();
+            single.rebuild(&robot, &chain, &[STEPS], 1);
+            single.nodes[0].moment = moment;
+            single.linearise(&chain, 1.0, 1.0, &mut Sweep::<2>::default());
+            (single.gaps[STEPS - 1].moment, single.corrections[0].moment)
+        };
+        let mut jacobian = Matrix3::zeros();
+        for axis in 0..3 {
+            let by = DIFFERENCE * Vector3::ith(axis, 1.0);
+            let change = tip_moment(off + by).0 - tip_moment(off - by).0;
+            jacobian.set_column(axis, &(change / (2.0 * DIFFERENCE)));
+        }
+        let (gap, ours) = tip_moment(off);
+        let expected = jacobian.lu().solve(&-gap).expect("regular");
+        assert!((ours - expected).norm() < LEFT * expected.norm(), "{ours} {expected}");
     }
 }

@@ -18,39 +18,58 @@ const ACCURACY: f64 = 1e-7;
 /// Far below any stable or usable equilibrium.
 const LOWEST: f64 = -1e6;
 
-/// The smallest eigenvalue for a solution with `steps` per span; positive for a stable equilibrium.
-pub(super) fn smallest_eigenvalue(
-    robot: &Robot,
-    chain: &Chain,
-    solution: &Mesh,
-    steps: &[usize],
-    sweep: &mut Sweep<2>,
-) -> f64 {
-    let of_load = chain
-        .spans
-        .iter()
-        .zip(steps)
-        .map(|(span, &count)| span.largest_angle(robot) * (span.to - span.from) / count as f64)
-        .fold(solution.largest_turn(), f64::max);
-    let parts = (of_load / LONGEST_STEP).ceil().clamp(1.0, 256.0) as usize;
-    let steps: Vec<usize> = steps.iter().map(|count| count * parts).collect();
-    let mut mesh = Mesh::default();
-    mesh.rebuild(robot, chain, &steps, usize::MAX);
-    mesh.prolong(solution, 1.0, parts);
-    let mut below = |mu: f64| mesh.linearise(chain, 1.0, 1.0 / (1.0 - mu), sweep).conjugate_points > 0;
-    if !below(NEARLY_ONE) {
-        return 1.0;
+/// The second variation of a solution on a mesh fine enough to judge it.
+pub(super) struct SecondVariation<'a> {
+    chain: &'a Chain,
+    mesh: Mesh,
+    sweep: &'a mut Sweep<2>,
+}
+
+impl<'a> SecondVariation<'a> {
+    /// Of a solution with `steps` per span.
+    pub(super) fn new(
+        robot: &Robot,
+        chain: &'a Chain,
+        solution: &Mesh,
+        steps: &[usize],
+        sweep: &'a mut Sweep<2>,
+    ) -> Self {
+        let of_load = chain
+            .spans
+            .iter()
+            .zip(steps)
+            .map(|(span, &count)| span.largest_angle(robot) * (span.to - span.from) / count as f64)
+            .fold(solution.largest_turn(), f64::max);
+        let parts = (of_load / LONGEST_STEP).ceil().clamp(1.0, 256.0) as usize;
+        let steps: Vec<usize> = steps.iter().map(|count| count * parts).collect();
+        let mut mesh = Mesh::default();
+        mesh.rebuild(robot, chain, &steps, usize::MAX);
+        mesh.prolong(solution, 1.0, parts);
+        SecondVariation { chain, mesh, sweep }
     }
-    let (mut low, mut high) = if below(0.0) { (-1.0, 0.0) } else { (0.0, NEARLY_ONE) };
-    while below(low) {
-        (low, high) = (2.0 * low, low);
-        if low < LOWEST {
-            return low;
+
+    /// Number of eigenvalues below `mu` < 1.
+    pub(super) fn eigenvalues_below(&mut self, mu: f64) -> usize {
+        self.mesh.linearise(self.chain, 1.0, 1.0 / (1.0 - mu), self.sweep).conjugate_points
+    }
+
+    /// Positive for a stable equilibrium.
+    pub(super) fn smallest_eigenvalue(&mut self) -> f64 {
+        let mut below = |mu: f64| self.eigenvalues_below(mu) > 0;
+        if !below(NEARLY_ONE) {
+            return 1.0;
         }
+        let (mut low, mut high) = if below(0.0) { (-1.0, 0.0) } else { (0.0, NEARLY_ONE) };
+        while below(low) {
+            (low, high) = (2.0 * low, low);
+            if low < LOWEST {
+                return low;
+            }
+        }
+        while high - low > ACCURACY * (1.0 - low) {
+            let middle = 0.5 * (low + high);
+            if below(middle) { high = middle } else { low = middle }
+        }
+        0.5 * (low + high)
     }
-    while high - low > ACCURACY * (1.0 - low) {
-        let middle = 0.5 * (low + high);
-        if below(middle) { high = middle } else { low = middle }
-    }
-    0.5 * (low + high)
 }

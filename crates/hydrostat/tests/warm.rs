@@ -1,0 +1,164 @@
+//! A solve that starts from another robot's solution must end where a solve from cold does.
+
+use hydrostat::description::builtin;
+use hydrostat::model::{CrossSection, Frame, Load, LoadKind};
+use hydrostat::statics::{Settings, Workspace, solve, solve_near};
+use hydrostat::validate::robustness;
+use hydrostat::{Equilibrium, Robot};
+use nalgebra::{Rotation3, Vector3};
+
+/// Of the length: two solves, each to this tolerance.
+const TOLERANCE: f64 = 1e-10;
+const CLOSE: f64 = 2.0 * TOLERANCE;
+
+fn settings() -> Settings {
+    Settings { tolerance: TOLERANCE, eigenvalue: false, ..Settings::default() }
+}
+
+fn load(kind: LoadKind) -> Load {
+    Load { name: None, kind }
+}
+
+/// The thesis's rod with a small mass at a place.
+fn thesis_rod(at: f64, mass: f64) -> Robot {
+    let mut robot = builtin::robot().expect("the built-in robot is read").value;
+    robot.loads.push(load(LoadKind::Mass { at: at * robot.length(), mass }));
+    robot
+}
+
+fn in_two_sections(mut robot: Robot) -> Robot {
+    robot.sections[0].length *= 0.5;
+    let mut distal = robot.sections[0].clone();
+    distal.rest_curvature = Vector3::new(1.0, 0.5, 0.0);
+    distal.profile.tip = CrossSection::Round { diameter: 1.2e-3 };
+    robot.sections.push(distal);
+    robot
+}
+
+fn turned(mut robot: Robot, angle: f64) -> Robot {
+    robot.base.position += Vector3::new(0.3, -0.1, 2.0);
+    robot.base.rotation = Rotation3::new(angle * Vector3::new(0.3, 0.4, 1.2)) * robot.base.rotation;
+    robot
+}
+
+fn with_follower(mut robot: Robot, force: f64) -> Robot {
+    let at = robot.length();
+    let force = Vector3::new(force, 0.5 * force, 0.0);
+    robot.loads.push(load(LoadKind::Point { at, force, moment: Vector3::zeros(), frame: Frame::Body }));
+    robot
+}
+
+fn spread(mut robot: Robot, from: f64, to: f64) -> Robot {
+    let (from, to) = (from * robot.length(), to * robot.length());
+    let force_per_length = Vector3::new(0.0, 0.0, 0.2);
+    robot.loads.push(load(LoadKind::Distributed {
+        from,
+        to,
+        force_per_length,
+        moment_per_length: Vector3::zeros(),
+        frame: Frame::World,
+    }));
+    robot
+}
+
+/// Largest distance of the stations as a part of the length, and the same of the tips.
+fn distance(a: &Equilibrium, b: &Equilibrium, length: f64) -> f64 {
+    let stations =
+        a.stations.iter().zip(&b.stations).map(|(a, b)| (a.position - b.position).norm()).fold(0.0, f64::max);
+    stations.max((a.tip.position - b.tip.position).norm()) / length
+}
+
+fn assert_same(robot: &Robot, workspace: &mut Workspace, what: &str) {
+    let near = solve_near(robot, &settings(), workspace).unwrap_or_else(|error| panic!("{what}: {error}"));
+    let cold = solve(robot, &settings()).unwrap_or_else(|error| panic!("{what}: {error}"));
+    let found = distance(&near, &cold, robot.length());
+    assert!(found <= CLOSE, "{what}: {found:.1e}");
+    // what else the workspace answers belongs to the same solution
+    let middle = workspace.station(robot, 0.5 * robot.length());
+    let off = (middle.position - cold.stations[50].position).norm() / robot.length();
+    assert!(off <= CLOSE, "{what}: station in the middle {off:.1e}");
+}
+
+/// One workspace through all changes, there and back.
+#[test]
+fn any_change_of_the_robot_gives_what_a_cold_solve_gives() {
+    let base = || thesis_rod(1.0, 0.005);
+    let robots = [
+        ("as it is", base()),
+        ("another mass", thesis_rod(1.0, 0.02)),
+        ("the mass elsewhere", thesis_rod(0.4, 0.02)),
+        ("two sections", in_two_sections(base())),
+        ("another place, as many spans", in_two_sections(thesis_rod(0.5, 0.01))),
+        ("a distributed load", spread(base(), 0.2, 0.7)),
+        ("the same elsewhere", spread(base(), 0.6, 0.9)),
+        ("a turned base", turned(base(), 0.5)),
+        ("a base turned far", turned(base(), 2.5)),
+        ("a follower", with_follower(base(), 0.05)),
+        ("a follower on two sections", with_follower(in_two_sections(base()), 0.05)),
+        ("no load at all", {
+            let mut robot = base();
+            robot.loads.clear();
+            robot.gravity = Vector3::zeros();
+            robot
+        }),
+    ];
+    let mut workspace = Workspace::default();
+    for (from, first) in &robots {
+        for (to, second) in &robots {
+            assert_same(first, &mut workspace, &format!("{to} -> {from}"));
+            assert_same(second, &mut workspace, &format!("{from} -> {to}"));
+        }
+    }
+}
+
+#[test]
+fn a_refusal_leaves_a_workspace_that_still_works() {
+    let robot = thesis_rod(1.0, 0.02);
+    let mut workspace = Workspace::default();
+    assert_same(&robot, &mut workspace, "first");
+    let impossible = Settings { tolerance: 1.0, ..settings() };
+    assert!(solve_near(&robot, &impossible, &mut workspace).is_err());
+    assert_same(&robot, &mut workspace, "after impossible settings");
+    let mut crushed = robot.clone();
+    crushed.loads[0].kind = LoadKind::Point {
+        at: robot.length(),
+        force: Vector3::new(-1e9, 0.0, 0.0),
+        moment: Vector3::zeros(),
+        frame: Frame::World,
+    };
+    assert!(solve_near(&crushed, &settings(), &mut workspace).is_err());
+    assert_same(&robot, &mut workspace, "after a crushed rod");
+}
+
+/// Other tolerances and intervals between solves change the mesh under the kept solution.
+#[test]
+fn other_settings_in_between_do_not_matter() {
+    let (robot, mut workspace) = (thesis_rod(1.0, 0.02), Workspace::default());
+    for (tolerance, shooting_intervals) in
+        [(1e-4, None), (1e-12, None), (1e-3, Some(1)), (1e-9, Some(3)), (1e-11, Some(1))]
+    {
+        let between = Settings { tolerance, shooting_intervals, ..settings() };
+        solve_near(&robot, &between, &mut workspace).unwrap_or_else(|error| panic!("{error}"));
+        assert_same(&robot, &mut workspace, &format!("after {tolerance:e}, {shooting_intervals:?}"));
+    }
+}
+
+/// Rods of the sweep in one workspace, loads 1 % up: the branch is the same as from cold.
+#[test]
+fn a_small_change_of_random_rods_stays_on_the_branch() {
+    for index in 0..100 {
+        let robot = robustness::robot(11, index);
+        let mut workspace = Workspace::default();
+        if solve_near(&robot, &settings(), &mut workspace).is_err() {
+            continue;
+        }
+        let mut more = robot.clone();
+        more.gravity *= 1.01;
+        for load in &mut more.loads {
+            if let LoadKind::Point { force, moment, .. } = &mut load.kind {
+                (*force, *moment) = (1.01 * *force, 1.01 * *moment);
+            }
+        }
+        assert_same(&more, &mut workspace, &robot.name);
+    }
+}
