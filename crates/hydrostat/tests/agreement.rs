@@ -266,7 +266,7 @@ fn stiff_and_thin_rods_converge_or_say_why() {
         with_tip_force(wire(), Vector3::new(0.0, 0.0, 0.01)),
         with_tip_force(stiff.clone(), Vector3::new(0.0, -thousand, 0.0)),
         with_tip_force(stiff.clone(), Vector3::new(thousand, 0.0, 0.0)),
-        with_tip_force(stiff, Vector3::new(0.5 * thousand, 0.0, 0.8 * thousand)),
+        with_tip_force(stiff, Vector3::new(-0.5 * thousand, 0.0, 0.8 * thousand)),
         silicone(0.3),
         silicone(1.0),
         silicone(3.0),

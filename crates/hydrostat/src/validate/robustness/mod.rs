@@ -41,7 +41,7 @@ const SUBSAMPLE: usize = 10;
 
 /// Solves and checks the rods 0 to count - 1 of a seed.
 pub fn sweep(count: usize, seed: u64) -> Sweep {
-    let settings = Settings::default();
+    let settings = Settings { eigenvalue: false, ..Settings::default() };
     let mut sweep = Sweep { count, ..Sweep::default() };
     for index in 0..count {
         let robot = robot(seed, index);
