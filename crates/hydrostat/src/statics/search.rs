@@ -52,11 +52,14 @@ const MAX_STEPS: usize = 20_000;
 /// Newton's corrections must shrink at least by this factor, or the start is too far for the same branch.
 const CONTRACTION: f64 = 0.5;
 const MAX_ITERATIONS: usize = 50;
+// Load steps are measured in parts of the load that they lead to: a soft rod does all its turning at a small load.
 /// Newton's corrections are damped only where the load steps have become this small.
 const DAMPED_BELOW: f64 = 1.0 / 64.0;
 /// A first unstable shape is accepted only where the load steps have become this small.
 const UNSTABLE_BELOW: f64 = 1.0 / 4096.0;
 const SMALLEST_LOAD_STEP: f64 = 1.0 / 65_536.0;
+/// The first step may be as small as this times that, in parts of the whole load.
+const SMALLEST_LOAD: f64 = 1e-9;
 /// A load step may turn no cross-section by more (radians).
 const LARGEST_LOAD_TURN: f64 = 0.7;
 /// A mesh is halved where load steps become this small (so many times at most), and where a step turns by more (radians).
@@ -151,12 +154,13 @@ impl Search<'_> {
         while reached < 1.0 {
             let factor = (reached + step).min(1.0);
             let target = if factor < 1.0 { ON_THE_WAY } else { self.coarse_target() };
-            let outcome = self.newton(Level::Coarse, sweep, factor, target, step < DAMPED_BELOW);
+            let part = step / factor;
+            let outcome = self.newton(Level::Coarse, sweep, factor, target, part < DAMPED_BELOW);
             // the load at which a branch turns unstable is met in small steps
             let unstable =
                 outcome.as_ref().is_ok_and(|end| end.conjugate_points > 0) && unstable_from.is_none();
             let strayed = self.coarse.turned_since(self.reached) > LARGEST_LOAD_TURN;
-            if outcome.is_ok() && !strayed && (!unstable || step < UNSTABLE_BELOW) {
+            if outcome.is_ok() && !strayed && (!unstable || part < UNSTABLE_BELOW) {
                 reached = factor;
                 unstable_from = unstable_from.or(unstable.then_some(factor));
                 may_refine = true;
@@ -167,14 +171,14 @@ impl Search<'_> {
             } else {
                 self.coarse.nodes.clone_from(self.reached);
                 step *= 0.5;
-                if step < REFINED_BELOW && may_refine && refinements < MOST_REFINEMENTS {
+                if 0.5 * part < REFINED_BELOW && may_refine && refinements < MOST_REFINEMENTS {
                     // the mesh may be what keeps Newton's method from contracting
                     may_refine = false;
                     refinements += 1;
                     self.refine(reached);
                     step *= 4.0;
                 }
-                if step < SMALLEST_LOAD_STEP || self.work > MOST_WORK {
+                if step < SMALLEST_LOAD_STEP * factor.max(SMALLEST_LOAD) || self.work > MOST_WORK {
                     return Err(self.not_converged(reached, &outcome.err().unwrap_or_default()));
                 }
             }
@@ -257,7 +261,7 @@ impl Search<'_> {
 
     fn not_converged(&self, reached: f64, stuck: &Stuck) -> Error {
         Error::new(format!(
-            "no equilibrium found beyond {:.1} % of the loads: {} Newton iterations, on {} steps in the end, \
+            "no equilibrium found beyond {:.3} % of the loads: {} Newton iterations, on {} steps in the end, \
              last correction {:.1e}",
             100.0 * reached,
             self.iterations,
