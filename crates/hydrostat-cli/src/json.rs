@@ -47,12 +47,17 @@ pub(crate) fn verification(experiment: &Experiment, verification: &Verification)
             for (input, value) in experiment.inputs.iter().zip(&row.inputs) {
                 object.insert(input_key(&input.column, input.quantity), json!(value));
             }
-            let axes =
-                |v: &[f64]| json!(measured.axes.iter().filter_map(|&axis| v.get(axis)).collect::<Vec<_>>());
+            // the axes that any point has; null where this one was not read
+            let axes = |v: &[f64]| -> Value {
+                let read = |axis: &usize| experiment.points.iter().any(|point| point.axes.contains(axis));
+                let value = |axis| if measured.axes.contains(&axis) { json!(v[axis]) } else { Value::Null };
+                (0..3).filter(read).map(value).collect()
+            };
             object.insert("at_m".into(), json!(point.at));
             object.insert("predicted_m".into(), axes(point.predicted.as_slice()));
             object.insert("observed_m".into(), axes(point.observed.as_slice()));
             object.insert("error_m".into(), json!(point.error));
+            object.insert("failed_checks".into(), row.failed.iter().map(check).collect());
             rows.push(Value::Object(object));
         }
     }

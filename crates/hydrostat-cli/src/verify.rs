@@ -48,7 +48,9 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
     } else {
         comparison::table(&experiment, &verification)
     };
-    Ok(Outcome { stdout, passed: true })
+    // the verdict on the model is a result; a prediction that fails its own check is not one to trust
+    let passed = verification.rows.iter().all(|row| row.failed.is_empty());
+    Ok(Outcome { stdout, passed })
 }
 
 /// Reads an experiment and what it names, relative to its own folder; notes the names for the report.

@@ -193,8 +193,9 @@ pub(crate) fn residual_svg(
     let mut residuals = Vec::new(); // row, point, mm right and up
     for (i, row) in verification.rows.iter().enumerate() {
         for (j, p) in row.points.iter().enumerate() {
+            let read = |axis| experiment.points.get(j).is_none_or(|point| point.axes.contains(&axis));
             let d = (p.observed - p.predicted) * 1e3;
-            if d.iter().all(|x| x.is_finite()) {
+            if read(plane.right) && read(plane.up) && d.iter().all(|x| x.is_finite()) {
                 residuals.push((i, j, [d[plane.right], plane.up_sign * d[plane.up]]));
             }
         }

@@ -4,6 +4,7 @@ mod findings;
 mod verdict;
 
 use crate::model::{Frame, Load, LoadKind, Pose};
+use crate::solution::Check;
 use crate::statics::{Arcs, Settings, Weight, Workspace, constant_curvature, solve_in};
 use crate::{Error, Robot};
 use nalgebra::Vector3;
@@ -105,6 +106,8 @@ pub struct VerifiedRow {
     pub inputs: Vec<f64>,
     /// One per measured point, bench axes.
     pub points: Vec<PointError>,
+    /// Checks of the prediction that fail: strain, stability.
+    pub failed: Vec<Check>,
     /// The predicted backbone, base to tip, bench axes.
     pub shape: Vec<Vector3<f64>>,
     /// The constant-curvature model's backbone, base to tip, bench axes.
@@ -137,8 +140,9 @@ pub struct Summary {
 /// Solves every row and compares.
 ///
 /// # Errors
-/// The first row that has no solution, with its inputs.
+/// The first row that has no solution or an impossible reading, with its inputs.
 pub fn verify(experiment: &Experiment, settings: &Settings) -> Result<Verification, Error> {
+    experiment.refuse_impossible_readings()?;
     let mut rows = Vec::with_capacity(experiment.rows.len());
     let mut arcs = [Vec::new(), Vec::new()];
     for (number, row) in experiment.rows.iter().enumerate() {
@@ -153,6 +157,7 @@ pub fn verify(experiment: &Experiment, settings: &Settings) -> Result<Verificati
         rows.push(VerifiedRow {
             inputs: row.inputs.clone(),
             points: experiment.compare(row, |at| workspace.station(&robot, at).position),
+            failed: shape.checks.iter().filter(|check| !check.ok).cloned().collect(),
             shape: shape.stations.iter().map(|station| experiment.to_bench(&station.position)).collect(),
             constant_curvature_shape: of_constant_curvature
                 .poses(SHAPE_POINTS)
@@ -189,10 +194,37 @@ pub fn verify(experiment: &Experiment, settings: &Settings) -> Result<Verificati
     })
 }
 
+/// A point cannot be farther from the base than the backbone is long up to it; twice that is beyond any stretch or error
+/// of reading.
+const FARTHEST: f64 = 2.0;
+
 /// Points of a drawn shape.
 const SHAPE_POINTS: usize = 101;
 
 impl Experiment {
+    /// Wrong units and slips of the pen are not measurements.
+    fn refuse_impossible_readings(&self) -> Result<(), Error> {
+        let base = self.to_bench(&self.robot.base.position);
+        for (number, row) in self.rows.iter().enumerate() {
+            for (point, observed) in self.points.iter().zip(&row.observed) {
+                let away: f64 =
+                    point.axes.iter().map(|&i| (observed[i] - base[i]).powi(2)).sum::<f64>().sqrt();
+                if away > FARTHEST * point.at.max(0.1 * self.robot.length()) {
+                    return Err(Error::new(format!(
+                        "row {} ({}): the observed point at {:.0} mm lies {:.0} mm from the base, farther than the \
+                         backbone reaches",
+                        number + 1,
+                        self.inputs_of(row),
+                        1e3 * point.at,
+                        1e3 * away
+                    ))
+                    .hint("check that cell, the unit in its header, and the bench's origin and axes"));
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// `robot` as it was loaded and mounted in a row.
     pub fn robot_in(&self, robot: &Robot, row: &Row) -> Robot {
         let mut robot = robot.clone();

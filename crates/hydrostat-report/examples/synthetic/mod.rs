@@ -284,6 +284,7 @@ pub(crate) fn gray() -> (Experiment, Verification) {
         let error = (predicted - observed).norm();
         measured.push(Row { inputs: vec![g * 1e-3], observed: vec![observed] });
         rows.push(VerifiedRow {
+            failed: Vec::new(),
             inputs: vec![g * 1e-3],
             points: vec![PointError { at: length, predicted, observed, error }],
             shape,
@@ -376,7 +377,13 @@ pub(crate) fn spatial() -> (Experiment, Verification) {
             .collect();
         measured
             .push(Row { inputs: vec![force, angle], observed: points.iter().map(|p| p.observed).collect() });
-        rows.push(VerifiedRow { inputs: vec![force, angle], points, shape, constant_curvature_shape: bent });
+        rows.push(VerifiedRow {
+            inputs: vec![force, angle],
+            points,
+            failed: Vec::new(),
+            shape,
+            constant_curvature_shape: bent,
+        });
     }
     let point = |at| Point { at, axes: vec![0, 1, 2], reading_error: 1e-3 };
     let input = |column: &str, unit: &str, size, quantity| Input {

@@ -9,7 +9,9 @@ pub(super) fn verdict(
     model: &Summary,
     constant_curvature: &Summary,
 ) -> Vec<String> {
-    let mut verdict = vec![within_reading_error(experiment, rows, model)];
+    let mut verdict = failed_checks(experiment, rows);
+    verdict.push(within_reading_error(experiment, rows, model));
+    verdict.extend(largest_error(experiment, rows));
     let judged: Vec<String> =
         (0..experiment.inputs.len()).filter_map(|input| systematic(experiment, rows, input)).collect();
     if judged.is_empty() {
@@ -19,12 +21,45 @@ pub(super) fn verdict(
         ));
     }
     verdict.extend(judged);
-    verdict.push(format!(
-        "The constant-curvature model errs by {:.2} mm on average, {:.1} times as much.",
-        1e3 * constant_curvature.mean,
-        constant_curvature.mean / model.mean
-    ));
+    let (ours, simpler) = (1e3 * model.mean, 1e3 * constant_curvature.mean);
+    verdict.push(if simpler > ours {
+        format!(
+            "The constant-curvature model errs by {simpler:.2} mm on average, {:.1} times as much.",
+            simpler / ours.max(f64::MIN_POSITIVE)
+        )
+    } else {
+        format!("The constant-curvature model errs by {simpler:.2} mm on average, no more than this model.")
+    });
     verdict
+}
+
+/// Rows whose prediction fails a check of its own.
+fn failed_checks(experiment: &Experiment, rows: &[VerifiedRow]) -> Vec<String> {
+    let rows = experiment.rows.iter().zip(rows);
+    rows.flat_map(|(row, verified)| {
+        let inputs = experiment.inputs_of(row);
+        verified.failed.iter().map(move |check| match check.name {
+            "stability" => format!(
+                "The prediction for {inputs} is UNSTABLE: the rod would not stay so, and its errors say nothing."
+            ),
+            name => format!(
+                "The prediction for {inputs} fails its check of {name}: {:.3} % against a limit of {:.3} %.",
+                100.0 * check.value,
+                100.0 * check.limit
+            ),
+        })
+    })
+    .collect()
+}
+
+/// Where to look first.
+fn largest_error(experiment: &Experiment, rows: &[VerifiedRow]) -> Option<String> {
+    let all = experiment.rows.iter().zip(rows);
+    let errors = all.flat_map(|(row, verified)| verified.points.iter().map(move |point| (row, point)));
+    let (row, point) = errors.max_by(|a, b| a.1.error.total_cmp(&b.1.error))?;
+    let inputs = experiment.inputs_of(row);
+    Some(format!("The largest error, {:.2} mm, is at {inputs}.", 1e3 * point.error))
+        .filter(|_| rows.len() > 1)
 }
 
 /// Chi-square test of the weighted residuals against reading alone, theory (21).
