@@ -1,5 +1,6 @@
-//! What the robot is: numbers in SI units, checked by whoever builds them (see `description`).
+//! What the robot is: numbers in SI units. [`Robot::check`] says what no solver can work with.
 
+use crate::Error;
 use nalgebra::{Rotation3, Unit, Vector3};
 use std::f64::consts::PI;
 
@@ -132,7 +133,104 @@ impl Robot {
     }
 }
 
+/// How far beyond the tip rounding may put a load, as a fraction of the length.
+const BEYOND_TIP: f64 = 1e-9;
+
+impl Robot {
+    /// Refuses what has no mechanical meaning, whoever built it; every solver asks first.
+    ///
+    /// # Errors
+    /// The first impossible value, and where.
+    pub fn check(&self) -> Result<(), Error> {
+        if self.sections.is_empty() {
+            return Err(Error::new("the robot has no section"));
+        }
+        let pose =
+            self.base.position.iter().chain(self.base.rotation.matrix().iter()).chain(self.gravity.iter());
+        finite("base pose and gravity", pose)?;
+        self.sections.iter().try_for_each(Section::check)?;
+        let length = self.length();
+        for (number, load) in self.loads.iter().enumerate() {
+            load.kind.check(length).map_err(|error| error.within(&format!("load {}", number + 1)))?;
+        }
+        Ok(())
+    }
+}
+
+fn finite<'a>(what: &str, mut numbers: impl Iterator<Item = &'a f64>) -> Result<(), Error> {
+    match numbers.find(|number| !number.is_finite()) {
+        Some(number) => Err(Error::new(format!("{what}: found {number}, expected finite numbers"))),
+        None => Ok(()),
+    }
+}
+
+impl LoadKind {
+    fn check(&self, length: f64) -> Result<(), Error> {
+        let on_backbone = |at: f64| {
+            if (0.0..=length * (1.0 + BEYOND_TIP)).contains(&at) {
+                return Ok(());
+            }
+            Err(Error::new(format!("s = {at} m is not on the backbone of 0 to {length} m")))
+        };
+        match self {
+            LoadKind::Point { at, force, moment, .. } => {
+                on_backbone(*at)?;
+                finite("force and moment", force.iter().chain(moment.iter()))
+            }
+            LoadKind::Mass { at, mass } => {
+                on_backbone(*at)?;
+                finite("mass", [mass].into_iter())
+            }
+            LoadKind::Distributed { from, to, force_per_length, moment_per_length, .. } => {
+                on_backbone(*from)?;
+                on_backbone(*to)?;
+                if from >= to {
+                    return Err(Error::new(format!("it acts from s = {from} m to {to} m")));
+                }
+                finite("force and moment per length", force_per_length.iter().chain(moment_per_length.iter()))
+            }
+        }
+    }
+}
+
 impl Section {
+    fn check(&self) -> Result<(), Error> {
+        let positive = |what: &str, value: f64| {
+            if value > 0.0 && value.is_finite() {
+                return Ok(());
+            }
+            let name = &self.name;
+            Err(Error::new(format!(
+                "section \"{name}\": {what} is {value}, expected a finite number above 0"
+            )))
+        };
+        positive("the length", self.length)?;
+        positive("Young's modulus", self.material.youngs_modulus)?;
+        positive("the shear modulus", self.material.shear_modulus)?;
+        let density = self.material.density;
+        if !(density >= 0.0 && density.is_finite()) {
+            return Err(Error::new(format!("section \"{}\": the density is {density} kg/m^3", self.name)));
+        }
+        if std::mem::discriminant(&self.profile.base) != std::mem::discriminant(&self.profile.tip) {
+            return Err(Error::new(format!(
+                "section \"{}\" tapers from one kind of profile to another",
+                self.name
+            )));
+        }
+        for fraction in [0.0, 1.0] {
+            let (shear, bend) = self.stiffness(fraction);
+            shear.iter().chain(bend.iter()).try_for_each(|&stiffness| positive("a stiffness", stiffness))?;
+        }
+        finite("rest curvature", self.rest_curvature.iter())?;
+        let guides = self.guides.iter().flat_map(|guides| &guides.positions);
+        for position in guides {
+            if !(0.0..=self.length * (1.0 + BEYOND_TIP)).contains(position) {
+                return Err(Error::new(format!("section \"{}\": a guide at {position} m", self.name)));
+            }
+        }
+        Ok(())
+    }
+
     /// The cross-section at a fraction of the section's length.
     pub fn cross_section(&self, fraction: f64) -> CrossSection {
         self.profile.base.towards(&self.profile.tip, fraction)

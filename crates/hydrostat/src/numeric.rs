@@ -55,6 +55,11 @@ pub mod dop853 {
     ];
 }
 
+/// The larger of two; NaN is larger than everything, so that it cannot get lost in a maximum.
+pub fn larger(a: f64, b: f64) -> f64 {
+    if a >= b || a.is_nan() { a } else { b }
+}
+
 /// Largest system [`eliminate`] takes.
 pub const MAX_UNKNOWNS: usize = 6;
 
@@ -123,6 +128,16 @@ mod tests {
         };
         let order = (solve(4) / solve(8)).log2();
         assert!(order > 7.8, "observed order {order}");
+    }
+
+    #[test]
+    fn nan_survives_a_maximum() {
+        for values in [[f64::NAN, 1.0, 2.0], [1.0, f64::NAN, 2.0], [1.0, 2.0, f64::NAN]] {
+            assert!(values.into_iter().fold(0.0, larger).is_nan());
+        }
+        assert!(
+            (larger(1.0, 2.0) - 2.0).abs() < f64::EPSILON && (larger(2.0, 1.0) - 2.0).abs() < f64::EPSILON
+        );
     }
 
     #[test]

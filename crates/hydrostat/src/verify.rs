@@ -156,7 +156,7 @@ pub fn verify(experiment: &Experiment, settings: &Settings) -> Result<Verificati
         arcs[1].push(constant_curvature(&robot, Weight::Ignored).map_err(in_row)?);
         rows.push(VerifiedRow {
             inputs: row.inputs.clone(),
-            points: experiment.compare(row, |at| workspace.station(&robot, at).position),
+            points: experiment.differences(row, &experiment.points_of(&workspace, &robot)?),
             failed: shape.checks.iter().filter(|check| !check.ok).cloned().collect(),
             shape: shape.stations.iter().map(|station| experiment.to_bench(&station.position)).collect(),
             constant_curvature_shape: of_constant_curvature
@@ -167,10 +167,13 @@ pub fn verify(experiment: &Experiment, settings: &Settings) -> Result<Verificati
         });
         arcs[0].push(of_constant_curvature);
     }
+    let length = experiment.robot.length();
     let of_arcs = |arcs: &[Arcs]| {
         let points = experiment.rows.iter().zip(arcs);
-        experiment
-            .summary(points.flat_map(|(row, arcs)| experiment.compare(row, |at| arcs.pose(at).position)))
+        experiment.summary(
+            length,
+            points.flat_map(|(row, arcs)| experiment.compare(row, |at| arcs.pose(at).position)),
+        )
     };
     let mut variants = Vec::new();
     for (name, robot) in &experiment.variants {
@@ -179,9 +182,9 @@ pub fn verify(experiment: &Experiment, settings: &Settings) -> Result<Verificati
             .map_err(|error| error.within(&format!("variant \"{name}\"")))?;
         let points = experiment.rows.iter().zip(&predicted);
         let points = points.flat_map(|(row, predicted)| experiment.differences(row, predicted));
-        variants.push((name.clone(), experiment.summary(points)));
+        variants.push((name.clone(), experiment.summary(robot.length(), points)));
     }
-    let model = experiment.summary(rows.iter().flat_map(|row| row.points.iter().copied()));
+    let model = experiment.summary(length, rows.iter().flat_map(|row| row.points.iter().copied()));
     let [constant_curvature, constant_curvature_weightless] = arcs.map(|arcs| of_arcs(&arcs));
     Ok(Verification {
         verdict: verdict::verdict(experiment, &rows, &model, &constant_curvature),
@@ -234,9 +237,9 @@ impl Experiment {
                     robot.base = robot.base.turned(&self.axes, value);
                     continue;
                 }
-                Varied::HungMass { at } => LoadKind::Mass { at, mass: value },
+                Varied::HungMass { at } => LoadKind::Mass { at: self.place(at, &robot), mass: value },
                 Varied::Force { at, direction } => LoadKind::Point {
-                    at,
+                    at: self.place(at, &robot),
                     force: self.axes.rotation * (value * direction),
                     moment: Vector3::zeros(),
                     frame: Frame::World,
@@ -267,10 +270,25 @@ impl Experiment {
         let predict = |row: &Row| {
             let robot = self.robot_in(robot, row);
             solve_in(&robot, &settings, &mut workspace)?;
-            let position = |point: &Point| self.to_bench(&workspace.station(&robot, point.at).position);
-            Ok(self.points.iter().map(position).collect())
+            self.points_of(&workspace, &robot)
         };
         self.rows.iter().map(predict).collect()
+    }
+
+    /// Predicted points of the solution in the workspace, bench axes.
+    fn points_of(&self, workspace: &Workspace, robot: &Robot) -> Result<Vec<Vector3<f64>>, Error> {
+        let position = |point: &Point| {
+            let station = workspace.station(robot, self.place(point.at, robot));
+            let missing = || Error::new(format!("no point at s = {} m on this backbone", point.at));
+            station.map(|station| self.to_bench(&station.position)).ok_or_else(missing)
+        };
+        self.points.iter().map(position).collect()
+    }
+
+    /// A place on `robot`: the tip of the experiment's robot is the tip of every variant, whatever its length.
+    fn place(&self, at: f64, robot: &Robot) -> f64 {
+        let tip = self.robot.length();
+        if (at - tip).abs() <= 1e-9 * tip { robot.length() } else { at }
     }
 
     fn to_bench(&self, position: &Vector3<f64>) -> Vector3<f64> {
@@ -297,7 +315,7 @@ impl Experiment {
             .collect()
     }
 
-    fn summary(&self, errors: impl Iterator<Item = PointError>) -> Summary {
+    fn summary(&self, length: f64, errors: impl Iterator<Item = PointError>) -> Summary {
         let (mut count, mut coordinates) = (0.0, 0.0);
         let (mut sum, mut squares, mut max, mut weighted) = (0.0, 0.0, 0.0_f64, 0.0);
         for (error, point) in errors.zip(self.points.iter().cycle()) {
@@ -312,7 +330,7 @@ impl Experiment {
             mean: sum / count,
             rms: (squares / count).sqrt(),
             max,
-            mean_fraction: sum / count / self.robot.length(),
+            mean_fraction: sum / count / length,
             in_reading_errors: (weighted / coordinates).sqrt(),
         }
     }

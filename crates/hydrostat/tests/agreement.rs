@@ -38,7 +38,7 @@ fn thesis_rods() -> Vec<Robot> {
 /// Largest distance over the stations, as a part of the length.
 fn distance(a: &Equilibrium, b: &Equilibrium, length: f64) -> f64 {
     let pairs = a.stations.iter().zip(&b.stations);
-    pairs.map(|(a, b)| (a.position - b.position).norm()).fold(0.0, f64::max) / length
+    pairs.map(|(a, b)| (a.position - b.position).norm()).fold(0.0, hydrostat::numeric::larger) / length
 }
 
 /// Single shooting and a few intervals against one interval a step.

@@ -100,7 +100,7 @@ fn distance(a: &Equilibrium, b: &Equilibrium, to_b: impl Fn(Vector3<f64>) -> Vec
     assert_eq!(a.stations.len(), b.stations.len());
     let length = b.stations[b.stations.len() - 1].s;
     let pairs = a.stations.iter().zip(&b.stations);
-    pairs.map(|(a, b)| (to_b(a.position) - b.position).norm()).fold(0.0, f64::max) / length
+    pairs.map(|(a, b)| (to_b(a.position) - b.position).norm()).fold(0.0, hydrostat::numeric::larger) / length
 }
 
 #[test]

@@ -37,7 +37,7 @@ fn json_has_the_keys_of_the_format() {
     }
     let rows = value["rows"].as_array().unwrap();
     assert_eq!(rows.len(), 11);
-    assert_eq!(keys(&rows[0]), ["mass_kg", "at_m", "predicted_m", "observed_m", "error_m"]);
+    assert_eq!(keys(&rows[0]), ["mass_kg", "at_m", "predicted_m", "observed_m", "error_m", "failed_checks"]);
     assert_eq!(rows[0]["observed_m"], serde_json::json!([0.39, -0.023]));
     assert!(value["verdict"].as_str().is_some_and(|verdict| !verdict.is_empty()));
 }

@@ -47,7 +47,7 @@ pub fn parse_experiment(
     let bench = Bench::read(&table, &robot)?;
     let (inputs, input_columns) = read_inputs(&table, &data, length, &bench)?;
     let (points, point_columns) = read_points(&table, &data, length)?;
-    let published = table.get("published").map(|node| read_published(node, &data)).transpose()?;
+    let published = table.get("published").map(|node| read_published(node, &data, &points)).transpose()?;
     let variants = read_variants(&table, &robot_root, &bench, &mut warnings)?;
     let row = |i: usize| Row {
         inputs: input_columns.iter().map(|column| column.values[i]).collect(),
@@ -231,9 +231,14 @@ fn read_points(table: &Table, data: &Data, length: f64) -> Result<(Vec<Point>, V
     Ok(read)
 }
 
-fn read_published(node: &Node, data: &Data) -> Result<Published, Error> {
+fn read_published(node: &Node, data: &Data, points: &[Point]) -> Result<Published, Error> {
     let table = node.table(PUBLISHED_KEYS)?;
     let predicted = Coordinates::read(&table, data)?;
+    let axes: Vec<usize> = predicted.0.iter().map(|(axis, _)| *axis).collect();
+    if points.first().is_some_and(|point| !axes.is_empty() && point.axes != axes) {
+        return Err(node
+            .error("published predictions need the axes of the first measured point, no more and no fewer"));
+    }
     let column = |key, kind| table.get(key).map(|node| data.column(node, kind)).transpose();
     let (error, fraction) = (column("error", &LENGTH)?, column("error_fraction", &FRACTION)?);
     let rounding = |column: &Option<Column>| column.as_ref().map_or(0.0, |column| column.rounding);

@@ -187,7 +187,9 @@ impl Chain {
                     let Some(end) = span_ending_at(spans, at) else {
                         continue;
                     };
-                    if moment != Vector3::zeros() || frame == Frame::Body {
+                    let loads = force != Vector3::zeros() || moment != Vector3::zeros();
+                    let follows = frame == Frame::Body && loads;
+                    if moment != Vector3::zeros() || follows {
                         self.conservative = false;
                     }
                     match frame {
@@ -196,7 +198,7 @@ impl Chain {
                             spans[end].jump.moment += moment;
                         }
                         Frame::Body => {
-                            self.follower = true;
+                            self.follower |= follows;
                             spans[end].jump.following_force += force;
                             spans[end].jump.following_moment += moment;
                         }
@@ -209,10 +211,12 @@ impl Chain {
                     spans[end].force_beyond += mass * robot.gravity;
                 }
                 LoadKind::Distributed { from, to, force_per_length, moment_per_length, frame } => {
-                    if moment_per_length != Vector3::zeros() || frame == Frame::Body {
+                    let loads = force_per_length != Vector3::zeros() || moment_per_length != Vector3::zeros();
+                    let follows = frame == Frame::Body && loads;
+                    if moment_per_length != Vector3::zeros() || follows {
                         self.conservative = false;
                     }
-                    self.follower |= frame == Frame::Body;
+                    self.follower |= follows;
                     for span in spans.iter_mut() {
                         let middle = 0.5 * (span.from + span.to);
                         if from < middle && middle < to {

@@ -49,6 +49,24 @@ impl Default for Settings {
     }
 }
 
+impl Settings {
+    fn check(&self) -> Result<(), Error> {
+        if !(1e-12..=1e-2).contains(&self.tolerance) {
+            return Err(Error::new(format!("a tolerance of {:e} of the length", self.tolerance))
+                .hint("allowed: 1e-12 to 1e-2; the default is 1e-9"));
+        }
+        if !(self.largest_load_step > 1e-6 && self.largest_load_step <= 1.0) {
+            return Err(Error::new(format!("a largest load step of {}", self.largest_load_step))
+                .hint("allowed: above 1e-6, up to 1, which is the default"));
+        }
+        if self.shooting_intervals == Some(0) || self.stations == 1 {
+            return Err(Error::new("no shooting intervals, or one station only")
+                .hint("allowed: one interval or more; no stations, or two and more"));
+        }
+        Ok(())
+    }
+}
+
 /// Memory that solves of similar robots share, and the solution from which [`solve_near`] starts.
 #[derive(Clone, Debug, Default)]
 pub struct Workspace {
@@ -101,10 +119,8 @@ fn run(
     workspace: &mut Workspace,
     warm: bool,
 ) -> Result<Equilibrium, Error> {
-    if !(1e-12..=1e-2).contains(&settings.tolerance) {
-        return Err(Error::new(format!("tolerance {:e} of the length", settings.tolerance))
-            .hint("allowed: 1e-12 to 1e-2; the default is 1e-9"));
-    }
+    robot.check()?;
+    settings.check()?;
     workspace.warm = false;
     workspace.chain.rebuild(robot);
     let Workspace { chain, steps_per_span, order_factor, coarse, fine, reached, dead, follower, .. } =
@@ -123,9 +139,11 @@ fn run(
         work: 0,
     };
     let found = if chain.follower { search.run(warm, follower)? } else { search.run(warm, dead)? };
-    workspace.warm = true;
     let judged = judge(robot, settings, workspace, &found);
-    report::equilibrium(robot, settings, &workspace.chain, &workspace.fine, &found, &judged)
+    let equilibrium =
+        report::equilibrium(robot, settings, &workspace.chain, &workspace.fine, &found, &judged)?;
+    workspace.warm = true;
+    Ok(equilibrium)
 }
 
 /// Below this determinant of the Riccati sweep the mesh of the shape is too coarse to judge stability.
@@ -151,8 +169,11 @@ fn judge(robot: &Robot, settings: &Settings, workspace: &mut Workspace, found: &
 }
 
 impl Workspace {
-    /// The backbone of the solution last found, at any `s` from 0 to the length; `robot` as it was solved.
-    pub fn station(&self, robot: &Robot, s: f64) -> Station {
-        report::station(robot, &self.chain, &self.fine, s.clamp(0.0, self.chain.length))
+    /// The backbone of the solution last found, at any `s`; `robot` as it was solved. None where nothing was found or
+    /// `s` is not on the backbone.
+    pub fn station(&self, robot: &Robot, s: f64) -> Option<Station> {
+        let on_backbone = (0.0..=self.chain.length * (1.0 + 1e-12)).contains(&s);
+        (self.warm && on_backbone)
+            .then(|| report::station(s.min(self.chain.length), robot, &self.chain, &self.fine))
     }
 }

@@ -1,8 +1,8 @@
 //! What the caller sees of a converged mesh: stations, checks, report.
 
 use super::Settings;
-use super::chain::Chain;
-use super::rod::{self, Node};
+use super::chain::{Chain, Span};
+use super::rod;
 use super::search::Found;
 use super::shooting::Mesh;
 use crate::Error;
@@ -27,19 +27,17 @@ pub(super) fn equilibrium(
     judged: &Judged,
 ) -> Result<Equilibrium, Error> {
     let tip = mesh.nodes[mesh.steps.len()];
-    let stations = match settings.stations {
-        0 => Vec::new(),
-        count => (0..count)
-            .map(|i| station(robot, chain, mesh, chain.length * i as f64 / (count.max(2) - 1) as f64))
-            .collect(),
-    };
+    let stations: Vec<Station> = (0..settings.stations)
+        .map(|i| station(chain_position(chain, i, settings.stations), robot, chain, mesh))
+        .collect();
+    let checks = checks(robot, settings, chain, mesh, &stations, judged)?;
     Ok(Equilibrium {
         tip: Pose {
             position: mesh.positions[mesh.steps.len()],
             rotation: Rotation3::from_matrix_unchecked(tip.rotation),
         },
         stations,
-        checks: checks(robot, chain, mesh, judged)?,
+        checks,
         report: Report {
             method: Method::Shooting,
             iterations: found.iterations,
@@ -53,7 +51,7 @@ pub(super) fn equilibrium(
 }
 
 /// The state at `s`, on the base side of a jump.
-pub(super) fn station(robot: &Robot, chain: &Chain, mesh: &Mesh, s: f64) -> Station {
+pub(super) fn station(s: f64, robot: &Robot, chain: &Chain, mesh: &Mesh) -> Station {
     let k = mesh.steps.partition_point(|step| step.from < s).saturating_sub(1);
     let step = &mesh.steps[k];
     // a whole step is taken as it stands, so that the last station is the tip to the last bit
@@ -75,40 +73,54 @@ pub(super) fn station(robot: &Robot, chain: &Chain, mesh: &Mesh, s: f64) -> Stat
     }
 }
 
+/// The backbone is sampled at least so often for its largest strain, unless only the bare shape is wanted.
+const SAMPLES: usize = 65;
+
 /// Strain against the limit of each material, and stability.
-fn checks(robot: &Robot, chain: &Chain, mesh: &Mesh, judged: &Judged) -> Result<Vec<Check>, Error> {
-    let mut checks = Vec::new();
+fn checks(
+    robot: &Robot,
+    settings: &Settings,
+    chain: &Chain,
+    mesh: &Mesh,
+    stations: &[Station],
+    judged: &Judged,
+) -> Result<Vec<Check>, Error> {
     let mut worst: Option<Check> = None;
+    let mut sample = |span: &Span, s: f64, v: &Vector3<f64>, u: &Vector3<f64>| -> Result<(), Error> {
+        let strain = strain(robot, span, s, v, u)?;
+        let limit = robot.sections[span.section].material.strain_limit.unwrap_or(f64::INFINITY);
+        // the worst is the one nearest to its limit
+        let better = |check: &Check| {
+            let (a, b) = (strain / limit, check.value / check.limit);
+            a > b || (a >= b && strain > check.value)
+        };
+        if worst.as_ref().is_none_or(better) {
+            worst = Some(Check { name: "strain", value: strain, limit, ok: strain <= limit, at: Some(s) });
+        }
+        Ok(())
+    };
+    // both ends of every step: strains jump where sections and loads do
     for (k, step) in mesh.steps.iter().enumerate() {
         let span = &chain.spans[chain.span_at(step.from + 0.5 * step.length)];
-        let section = &robot.sections[span.section];
         let mut end = mesh.nodes[k + 1];
         rod::pass(&mesh.jumps[k], -1.0, &mut end);
         for (c, node, s) in
             [(rod::START, &mesh.nodes[k], step.from), (rod::END, &end, step.from + step.length)]
         {
-            let strain = fibre_strain(robot, span.section, step, c, node, s - span.section_start)
-                .ok_or_else(|| {
-                    Error::new(format!(
-                        "the backbone is compressed to nothing at s = {:.4} m of section \"{}\"",
-                        s, section.name
-                    ))
-                    .hint(
-                        "the linear section law does not hold there: lower the loads or stiffen the section",
-                    )
-                })?;
-            let limit = section.material.strain_limit.unwrap_or(f64::INFINITY);
-            // the worst is the one nearest to its limit
-            let better = |check: &Check| {
-                let (a, b) = (strain / limit, check.value / check.limit);
-                a > b || (a == b && strain > check.value)
-            };
-            if worst.as_ref().is_none_or(better) {
-                worst =
-                    Some(Check { name: "strain", value: strain, limit, ok: strain <= limit, at: Some(s) });
-            }
+            let section = rod::section_law(step, c, 1.0, node);
+            sample(span, s, &section.v, &section.u)?;
         }
     }
+    for station in stations {
+        sample(&chain.spans[chain.span_at(station.s)], station.s, &station.v, &station.u)?;
+    }
+    if settings.eigenvalue && stations.len() < SAMPLES {
+        for i in 0..SAMPLES {
+            let station = station(chain_position(chain, i, SAMPLES), robot, chain, mesh);
+            sample(&chain.spans[chain.span_at(station.s)], station.s, &station.v, &station.u)?;
+        }
+    }
+    let mut checks = Vec::with_capacity(2);
     checks.extend(worst);
     if let Some(ok) = judged.stable {
         let value = judged.smallest_eigenvalue.unwrap_or(f64::NAN);
@@ -117,19 +129,22 @@ fn checks(robot: &Robot, chain: &Chain, mesh: &Mesh, judged: &Judged) -> Result<
     Ok(checks)
 }
 
-/// Largest fibre strain at a point of a step, theory (9); None where the backbone is turned inside out.
-fn fibre_strain(
-    robot: &Robot,
-    section: usize,
-    step: &super::chain::Step,
-    c: usize,
-    node: &Node,
-    along: f64,
-) -> Option<f64> {
-    let strains = rod::section_law(step, c, 1.0, node);
-    let section = &robot.sections[section];
-    let bending: Vector3<f64> = strains.u - section.rest_curvature;
-    let cross_section = section.cross_section((along / section.length).clamp(0.0, 1.0));
-    (strains.v.z > 0.0)
-        .then(|| (strains.v.z - 1.0).abs() + cross_section.bending_strain([bending.x, bending.y]))
+/// Arc length of the i-th of `count` points, both ends included.
+fn chain_position(chain: &Chain, i: usize, count: usize) -> f64 {
+    chain.length * i as f64 / (count.max(2) - 1) as f64
+}
+
+/// Largest fibre strain at `s`, theory (9).
+fn strain(robot: &Robot, span: &Span, s: f64, v: &Vector3<f64>, u: &Vector3<f64>) -> Result<f64, Error> {
+    let section = &robot.sections[span.section];
+    if v.z <= 0.0 {
+        return Err(Error::new(format!(
+            "the backbone is compressed to nothing at s = {s:.4} m of section \"{}\"",
+            section.name
+        ))
+        .hint("the linear section law does not hold there: lower the loads or stiffen the section"));
+    }
+    let bending = u - section.rest_curvature;
+    let along = ((s - span.section_start) / section.length).clamp(0.0, 1.0);
+    Ok((v.z - 1.0).abs() + section.cross_section(along).bending_strain([bending.x, bending.y]))
 }

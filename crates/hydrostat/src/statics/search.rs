@@ -4,7 +4,7 @@ use super::Settings;
 use super::chain::Chain;
 use super::rod::Node;
 use super::shooting::{Mesh, Sweep};
-use crate::numeric::dop853;
+use crate::numeric::{dop853, larger};
 use crate::{Error, Robot};
 
 /// The search for one equilibrium.
@@ -93,7 +93,7 @@ impl Search<'_> {
             let difference = (self.fine.positions.iter().step_by(2))
                 .zip(&self.coarse.positions)
                 .map(|(fine, coarse)| (fine - coarse).norm())
-                .fold(0.0, f64::max);
+                .fold(0.0, larger);
             // .. and what p is, three solutions show
             *self.order_factor = match last_difference {
                 Some(last) => (last / difference).clamp(2.0, 2_f64.powi(dop853::ORDER)),
@@ -268,9 +268,11 @@ impl Search<'_> {
             self.coarse.steps.len(),
             stuck.correction
         ))
-        .hint(self.remedy(
-            "the rod probably snaps or buckles there: lower the loads, or stiffen or shorten the rod",
-        ))
+        .hint(self.remedy(if self.work > MOST_WORK {
+            "the search was given up after a million steps: the rod is very soft for its loads; check their units"
+        } else {
+            "the rod probably snaps or buckles there: lower the loads, or stiffen or shorten the rod"
+        }))
     }
 
     /// Few shooting intervals are the likelier cause of a failure than anything else.

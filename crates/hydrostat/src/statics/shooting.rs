@@ -9,7 +9,7 @@ use super::chain::{Chain, Jump, Step};
 use super::rod::{self, Node, Transition};
 use crate::geometry::{cayley, cayley_coordinates};
 use crate::model::Robot;
-use crate::numeric::{MAX_UNKNOWNS, eliminate};
+use crate::numeric::{MAX_UNKNOWNS, eliminate, larger};
 use nalgebra::{Matrix3, Vector3};
 
 /// Steps, nodes between them, and the scratch memory of the sweeps; kept from solve to solve.
@@ -129,12 +129,12 @@ impl Mesh {
 
     /// Largest angle between the ends of a step.
     pub(super) fn largest_turn(&self) -> f64 {
-        self.nodes.windows(2).map(|pair| angle(&pair[0], &pair[1])).fold(0.0, f64::max)
+        self.nodes.windows(2).map(|pair| angle(&pair[0], &pair[1])).fold(0.0, larger)
     }
 
     /// Largest angle between a node and what it was before.
     pub(super) fn turned_since(&self, before: &[Node]) -> f64 {
-        self.nodes.iter().zip(before).map(|(now, before)| angle(now, before)).fold(0.0, f64::max)
+        self.nodes.iter().zip(before).map(|(now, before)| angle(now, before)).fold(0.0, larger)
     }
 
     /// Integrates without derivatives: positions, and the largest gap left in scaled units.
@@ -146,7 +146,7 @@ impl Mesh {
             self.positions[k + 1] = self.positions[k] + displacement;
             let gap = self.gap(k, &end);
             if self.starts_interval[k + 1] || k + 1 == self.steps.len() {
-                largest = largest.max(gap.size(chain));
+                largest = larger(largest, gap.size(chain));
             }
             if !self.starts_interval[k + 1] {
                 self.nodes[k + 1] = end;
@@ -194,8 +194,7 @@ impl Mesh {
         }
         let (conjugate_points, smallest_pivot) = sweep.backward(&self.gaps);
         sweep.forward(&self.gaps, &mut self.corrections);
-        let correction =
-            self.corrections.iter().map(|correction| correction.size(chain)).fold(0.0, larger_or_nan);
+        let correction = self.corrections.iter().map(|correction| correction.size(chain)).fold(0.0, larger);
         Linearised { correction, conjugate_points, smallest_pivot }
     }
 
@@ -230,7 +229,7 @@ impl Gap {
         let moment = chain.length / chain.stiffness;
         [self.rotation.amax(), self.moment.amax() * moment, self.force.amax() * moment * chain.length]
             .into_iter()
-            .fold(0.0, larger_or_nan)
+            .fold(0.0, larger)
     }
 }
 
@@ -243,12 +242,7 @@ fn angle(a: &Node, b: &Node) -> f64 {
 fn negative_eigenvalues(m: &Matrix3<f64>) -> usize {
     let m = 0.5 * (m + m.transpose());
     let minors = [1.0, m.m11, m.m11 * m.m22 - m.m12 * m.m21, m.determinant()];
-    minors.windows(2).filter(|pair| pair[0] * pair[1] < 0.0).count()
-}
-
-/// Maximum that keeps NaN, so that a blown-up iteration cannot look converged.
-fn larger_or_nan(a: f64, b: f64) -> f64 {
-    if a >= b { a } else { b }
+    minors.windows(2).filter(|pair| pair[0] * pair[1] <= 0.0).count()
 }
 
 impl<const N: usize> Sweep<N> {
@@ -304,6 +298,10 @@ impl<const N: usize> Sweep<N> {
             }
             let determinant = eliminate(&mut rows, unknowns);
             smallest = determinant.min(smallest);
+            if determinant == 0.0 {
+                // no feedback closes the gap here: the iteration counts as diverged
+                rows = [[f64::NAN; MAX_UNKNOWNS + 4]; MAX_UNKNOWNS];
+            }
             negative += if N == 2 {
                 let left = t[1][1] - beyond.moment * t[0][1];
                 negative_eigenvalues(&t[0][1].tr_mul(&left))

@@ -11,6 +11,8 @@ use crate::Robot;
 /// Longest step, as the angle of `Span::largest_angle` or of the shape, for the transitions' fourth order to find
 /// a critical load to 1e-6.
 const LONGEST_STEP: f64 = 0.08;
+/// .. but no more than so many altogether, which bounds the time.
+const MOST_STEPS: usize = 10_000;
 /// The eigenvalues accumulate at 1, which stands for itself.
 const NEARLY_ONE: f64 = 0.999;
 /// Accuracy of the eigenvalue.
@@ -40,7 +42,8 @@ impl<'a> SecondVariation<'a> {
             .zip(steps)
             .map(|(span, &count)| span.largest_angle(robot) * (span.to - span.from) / count as f64)
             .fold(solution.largest_turn(), f64::max);
-        let parts = (of_load / LONGEST_STEP).ceil().clamp(1.0, 256.0) as usize;
+        let most = (MOST_STEPS / solution.steps.len()).max(1) as f64;
+        let parts = (of_load / LONGEST_STEP).ceil().clamp(1.0, most) as usize;
         let steps: Vec<usize> = steps.iter().map(|count| count * parts).collect();
         let mut mesh = Mesh::default();
         mesh.rebuild(robot, chain, &steps, usize::MAX);

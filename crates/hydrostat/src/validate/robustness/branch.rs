@@ -42,7 +42,7 @@ pub(super) fn branch(robot: &Robot, found: &Equilibrium, settings: &Settings) ->
 /// Largest distance over the stations.
 pub(super) fn distance(a: &Equilibrium, b: &Equilibrium) -> f64 {
     let pairs = a.stations.iter().zip(&b.stations);
-    pairs.map(|(a, b)| (a.position - b.position).norm()).fold(0.0, f64::max)
+    pairs.map(|(a, b)| (a.position - b.position).norm()).fold(0.0, crate::numeric::larger)
 }
 
 fn with_loads_times(robot: &Robot, factor: f64) -> Robot {
