@@ -3,11 +3,14 @@
 use crate::plot::Format;
 use crate::{Outcome, files, json, summary, warn};
 use clap::ValueEnum;
-use hydrostat::Error;
 use hydrostat::description;
 use hydrostat::statics::{self, Settings};
+use hydrostat::{Equilibrium, Error};
 use std::path::PathBuf;
 use std::time::Instant;
+
+/// Points of a drawn backbone.
+const PLOTTED: usize = 1001;
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
@@ -26,7 +29,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "K", default_value_t = 101, value_parser = station_count)]
     stations: usize,
     /// Largest estimated position error, as a fraction of the length
-    #[arg(long, value_name = "FRACTION", default_value_t = 1e-9, value_parser = tolerance)]
+    #[arg(long, value_name = "FRACTION", default_value_t = 1e-9, value_parser = tolerance, allow_negative_numbers = true)]
     tolerance: f64,
     /// How the shape is found
     #[arg(long, value_enum, default_value_t = Method::Shooting)]
@@ -62,7 +65,10 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
     let shape = statics::solve(&robot, &settings)?;
 
     if let Some((path, format)) = plot {
-        files::write(path, &format.encode(hydrostat_report::shape_svg(&robot, &shape))?)?;
+        // a coil needs more points than a table
+        let smooth = Settings { stations: args.stations.max(PLOTTED), eigenvalue: false, ..settings.clone() };
+        let smooth = Equilibrium { stations: statics::solve(&robot, &smooth)?.stations, ..shape.clone() };
+        files::write(path, &format.encode(hydrostat_report::shape_svg(&robot, &smooth))?)?;
     }
     let failures = summary::failures(&shape);
     let stdout = if args.json {

@@ -40,7 +40,10 @@ pub(crate) fn text(robot: &Robot, shape: &Equilibrium, took: Duration) -> String
 /// Every check that fails, in words.
 pub(crate) fn failures(shape: &Equilibrium) -> Vec<String> {
     let in_words = |check: &Check| match check.name {
-        STABILITY => "the equilibrium is unstable".to_owned(),
+        STABILITY => {
+            "the equilibrium is unstable; a small side load or tilt of the base leads to the bent one"
+                .to_owned()
+        }
         name => format!("check {name} fails: {}", check_in_words(check)),
     };
     shape.checks.iter().filter(|check| !check.ok).map(in_words).collect()
@@ -83,8 +86,16 @@ fn stability(report: &Report) -> String {
         Some(false) => report.unstable_from.map_or("UNSTABLE".to_owned(), |factor| {
             format!("UNSTABLE from {:.1} % of the loads", factor * 100.0)
         }),
-        None => "no direction is unstable, but the loads are not conservative: the robot may still flutter"
-            .to_owned(),
+        None => {
+            "not known (the loads are not conservative): no direction falls, but it may flutter".to_owned()
+        }
     };
-    report.smallest_eigenvalue.map_or(word.clone(), |value| format!("{word}, smallest eigenvalue {value:.4}"))
+    report
+        .smallest_eigenvalue
+        .map_or(word.clone(), |value| format!("{word}, smallest eigenvalue {}", significant(value)))
+}
+
+/// Four decimals, or what a smaller number needs.
+fn significant(value: f64) -> String {
+    if value.abs() < 1e-3 { format!("{value:.1e}") } else { format!("{value:.4}") }
 }

@@ -56,3 +56,32 @@ fn a_starter_bench_can_be_verified() {
     assert_eq!(run.code, 0, "{run:?}");
     assert!(!json(&run.stdout)["rows"].as_array().unwrap().is_empty());
 }
+
+/// A variant of another length carries its mass, and is compared, at its own tip.
+#[test]
+fn a_variant_of_another_length_is_the_rod_of_that_length() {
+    let folder = bench("variant");
+    let edited = |name: &str, set: &str| {
+        let text = std::fs::read_to_string(folder.path("try.toml")).unwrap();
+        std::fs::write(folder.path(name), format!("{set}{text}")).unwrap();
+        json(&folder.run(&format!("verify {name} --json")).succeeds())
+    };
+    let length = r#"{ "section.rod.length" = "380 mm" }"#;
+    let whole = edited("whole.toml", &format!("set = {length}\n"));
+    let text = std::fs::read_to_string(folder.path("try.toml")).unwrap();
+    let variant = format!("{text}\n[[variant]]\nname = \"short\"\nset = {length}\n");
+    std::fs::write(folder.path("variant.toml"), variant).unwrap();
+    let variant = json(&folder.run("verify variant.toml --json").succeeds());
+    let difference =
+        variant["variants"][0]["mean_error_m"].as_f64().unwrap() - whole["mean_error_m"].as_f64().unwrap();
+    assert!(difference.abs() < ROUNDING, "{difference}");
+}
+
+#[test]
+fn a_prediction_over_the_strain_limit_is_said_and_counts() {
+    let folder = bench("strain");
+    let rod = std::fs::read_to_string(folder.path("try_rod.toml")).unwrap().replace("\"1 %\"", "\"0.1 %\"");
+    std::fs::write(folder.path("try_rod.toml"), rod).unwrap();
+    let run = folder.run("verify try.toml");
+    assert!(run.code == 1 && run.stdout.contains("fails its check of strain"), "{run:?}");
+}

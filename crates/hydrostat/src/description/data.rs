@@ -38,6 +38,14 @@ impl<'s> Data<'s> {
         let mut lines = lines(source.text).map(|span| cells(source, span));
         let empty = || Error::new("the file has no rows of data").at(source.place(0..0, ""));
         let headers = lines.next().ok_or_else(empty)??;
+        if let [only] = &headers[..]
+            && let Some(separator) = only.text.chars().find(|c| [';', '\t'].contains(c))
+        {
+            let error = Error::new(format!("cells are separated by {separator:?}, expected ','"));
+            return Err(error
+                .at(source.place(only.span.clone(), ""))
+                .hint("decimals are written with a point"));
+        }
         let mut rows = Vec::new();
         for row in lines {
             let row = row?;

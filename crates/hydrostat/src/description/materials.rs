@@ -224,6 +224,8 @@ fn read_density(table: &Table, warnings: &mut Vec<Error>) -> Result<f64, Error> 
     let text = node.text("")?;
     let hint = if text.contains("g/mm^3") && value <= 1e3 * DENSEST {
         format!("\"{}\" was probably meant", text.replace("mm^3", "cm^3"))
+    } else if text.ends_with(" g/cm^3") && value <= 1e3 * DENSEST {
+        format!("\"{}\" was probably meant", text.replace("g/cm^3", "kg/m^3"))
     } else {
         "solids lie between 1 kg/m^3 (aerogels) and 22600 kg/m^3 (osmium)".to_string()
     };

@@ -266,6 +266,7 @@ impl<'s> Node<'s> {
     fn quantity_text(&self, expected: &str) -> Result<&str, Error> {
         match &self.value {
             Value::Text(text) => Ok(text),
+            Value::List(_) => Err(self.error(format!("found a list without a unit, expected {expected}"))),
             Value::Number(_) => {
                 Err(self.error(format!("found a number without a unit, expected {expected}")))
             }

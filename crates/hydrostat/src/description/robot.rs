@@ -4,7 +4,7 @@ use super::quantity::{ACCELERATION, LENGTH, rounded};
 use super::reader::{Node, Source, Table, is_name};
 use super::{Parsed, load, materials, section};
 use crate::Error;
-use crate::model::{Pose, Robot};
+use crate::model::{LoadKind, Pose, Robot};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 pub(super) const ROBOT_KEYS: &[&str] =
@@ -12,6 +12,7 @@ pub(super) const ROBOT_KEYS: &[&str] =
 pub(super) const BASE_KEYS: &[&str] = &["position", "tangent", "normal"];
 
 const FASTEST_GRAVITY: f64 = 100.0; // ten times the Earth's
+const SLOWEST_GRAVITY: f64 = 0.1; // a sixteenth of the Moon's
 
 /// Reads a robot file; `file` is the name that messages show.
 pub fn parse_robot(text: &str, file: &str) -> Result<Parsed<Robot>, Error> {
@@ -32,6 +33,10 @@ pub(super) fn read(root: &Node, warnings: &mut Vec<Error>) -> Result<Robot, Erro
     let sections = section::read(&table, &materials, warnings)?;
     let length = sections.iter().map(|section| section.length).sum();
     let loads = load::read(&table, length)?;
+    let hung = loads.iter().any(|load| matches!(load.kind, LoadKind::Mass { .. }));
+    if let Some(node) = table.get("gravity").filter(|_| hung && gravity == Vector3::zeros()) {
+        warnings.push(node.error("without gravity a hung mass weighs nothing"));
+    }
     Ok(Robot { name: name.to_string(), gravity, base, sections, loads })
 }
 
@@ -51,7 +56,8 @@ fn read_gravity(table: &Table, warnings: &mut Vec<Error>) -> Result<Vector3<f64>
         return Ok(Vector3::new(0.0, 0.0, -9.81));
     };
     let gravity = node.vector(&ACCELERATION)?;
-    if gravity.norm() > FASTEST_GRAVITY {
+    let size = gravity.norm();
+    if size > FASTEST_GRAVITY || (size > 0.0 && size < SLOWEST_GRAVITY) {
         warnings.push(
             node.error(format!("a gravity of {} m/s^2 is implausible", rounded(gravity.norm())))
                 .hint("the Earth's is 9.81 m/s^2"),

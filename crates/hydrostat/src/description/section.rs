@@ -69,7 +69,7 @@ fn read_section(
     let material = materials::find(materials, table.require("material", "a material, such as \"nitinol\"")?)?;
     let profile =
         read_profile(table.require("profile", "a table, such as { diameter = \"1.5 mm\" }")?, warnings)?;
-    let rest_curvature = read_rest_curvature(&table, &profile, &material, warnings)?;
+    let rest_curvature = read_rest_curvature(&table, &profile)?;
     let guides = table.get("guides").map(|node| read_guides(node, length)).transpose()?;
     Ok(Section { name, length, material, profile, rest_curvature, guides })
 }
@@ -143,43 +143,21 @@ fn read_shear_coefficient(node: &Node, warnings: &mut Vec<Error>) -> Result<f64,
     Ok(value)
 }
 
-fn read_rest_curvature(
-    table: &Table,
-    profile: &Profile,
-    material: &Material,
-    warnings: &mut Vec<Error>,
-) -> Result<Vector3<f64>, Error> {
+fn read_rest_curvature(table: &Table, profile: &Profile) -> Result<Vector3<f64>, Error> {
     let Some(node) = table.get("rest_curvature") else {
         return Ok(Vector3::zeros());
     };
     let curvature = node.vector(&CURVATURE)?;
-    let strain =
-        [profile.base, profile.tip].iter().map(|end| bending_strain(end, &curvature)).fold(0.0, f64::max);
+    let strain = [profile.base, profile.tip]
+        .iter()
+        .map(|end| end.bending_strain([curvature.x, curvature.y]))
+        .fold(0.0, f64::max);
     if strain >= 1.0 {
         return Err(node
             .error("a rod this thick cannot be bent this much: its inner side would overlap itself")
             .hint(format!("curvature times half the thickness must be below 1, and is {strain:.3}")));
     }
-    if let Some(limit) = material.strain_limit.filter(|limit| strain > *limit) {
-        let (strain, limit) = (rounded(100.0 * strain), rounded(100.0 * limit));
-        warnings.push(node.error(format!(
-            "straightening this rest curvature strains the section by {strain} %, over the limit of {limit} %"
-        )));
-    }
     Ok(curvature)
-}
-
-/// Largest strain of a fibre when a straight section is bent to this curvature (or back).
-fn bending_strain(section: &CrossSection, curvature: &Vector3<f64>) -> f64 {
-    match *section {
-        CrossSection::Round { diameter } | CrossSection::Tube { diameter, .. } => {
-            curvature.xy().norm() * diameter / 2.0
-        }
-        // Fibre at (x, y): strain u1 y - u2 x.
-        CrossSection::Strip { width, height } => {
-            (curvature.x.abs() * height + curvature.y.abs() * width) / 2.0
-        }
-    }
 }
 
 /// Largest distance of the surface from the backbone along d1 or d2.

@@ -119,9 +119,9 @@ fn run(
     workspace: &mut Workspace,
     warm: bool,
 ) -> Result<Equilibrium, Error> {
+    workspace.warm = false;
     robot.check()?;
     settings.check()?;
-    workspace.warm = false;
     workspace.chain.rebuild(robot);
     let Workspace { chain, steps_per_span, order_factor, coarse, fine, reached, dead, follower, .. } =
         workspace;

@@ -16,7 +16,7 @@ hint: solids lie between 1 kg/m^3 (aerogels) and 22600 kg/m^3 (osmium)
    |
 11 | density = "68 g/cm^3"
    |           ^^^^^^^^^^^
-hint: solids lie between 1 kg/m^3 (aerogels) and 22600 kg/m^3 (osmium)
+hint: "68 kg/m^3" was probably meant
 "#;
 
     stiffer_than_diamond r#""54 GPa""# => r#""54000 GPa""#, r#"a Young's modulus of 5.4e13 Pa is implausible
@@ -51,12 +51,12 @@ hint: rod theory is made for slender bodies, 10 times and more
 hint: the Earth's is 9.81 m/s^2
 "#;
 
-    rest_curvature_over_the_limit r#"material = "niti""# => r#"material = "niti"
-rest_curvature = "[20, 0, 0] 1/m""#, r#"straightening this rest curvature strains the section by 1.5 %, over the limit of 1 %
-  --> rod.toml:18:18, key section.rod.rest_curvature
-   |
-18 | rest_curvature = "[20, 0, 0] 1/m"
-   |                  ^^^^^^^^^^^^^^^^
+    gravity_in_millimetres r#""[0, -9.81, 0] m/s^2""# => r#""[0, -9.81, 0] mm/s^2""#, r#"a gravity of 0.00981 m/s^2 is implausible
+ --> rod.toml:2:11, key gravity
+  |
+2 | gravity = "[0, -9.81, 0] mm/s^2"
+  |           ^^^^^^^^^^^^^^^^^^^^^^
+hint: the Earth's is 9.81 m/s^2
 "#;
 
     shear_coefficient_absurd r#"{ diameter = "1.5 mm" }"# => r#"{ diameter = "1.5 mm", shear_coefficient = 2 }"#, r#"a shear coefficient of 2 is implausible

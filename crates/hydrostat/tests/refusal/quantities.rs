@@ -114,7 +114,7 @@ hint: write decimals with a point and thousands without a mark: 1.5, 2000
    |          ^^^^^^^^^^^^
 "#;
 
-    vector_as_array r#""[0, 0, 0.01] N m""# => "[0, 0, 0.01]", r#"found a list, expected three components, such as "[0, 0, 1] N m"
+    vector_as_array r#""[0, 0, 0.01] N m""# => "[0, 0, 0.01]", r#"found a list without a unit, expected three components, such as "[0, 0, 1] N m"
   --> rod.toml:23:10, key load.1.moment
    |
 23 | moment = [0, 0, 0.01]
