@@ -3,7 +3,7 @@
 use crate::draw::{ACCENT, Anchor, Canvas, GRID, GRID_HEAVY, INK, MUTED, P, Pen, Rect, SECOND, Type, WHITE};
 use crate::labels::{self, Label, Obstacles};
 use crate::overlay::{AXES, CONSTANT_CURVATURE, Plane, along};
-use crate::text::{self, decimals_of, fit, fixed};
+use crate::text::{self, decimals_of, fit, fixed, millimetres};
 use crate::ticks::{decimals, nice_step, ticks};
 use hydrostat::verify::{Experiment, Verification};
 
@@ -103,8 +103,22 @@ pub(crate) fn error_svg(experiment: &Experiment, verification: &Verification) ->
             page.circle(p, 3.4, ACCENT, None);
         }
     }
+    // which point, where there are several: beside the ends of the lines, kept apart
+    let several = points > 1;
+    let mut ends: Vec<(f64, String)> = Vec::new();
+    for (j, (model, constant)) in model.iter().zip(&constant).enumerate().filter(|_| several) {
+        let name = experiment.points.get(j).map_or(String::new(), |point| millimetres(point.at));
+        let lines = [model.last(), constant.last()].into_iter().flatten().map(|p| at(*p)[1]);
+        ends.extend(lines.filter(|y| y.is_finite()).map(|y| (y + 4.0, name.clone())));
+    }
+    ends.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut free_below = f64::INFINITY;
+    for (y, name) in ends {
+        free_below = y.min(free_below - 15.0);
+        page.text([frame.x1 + 5.0, free_below], Anchor::Start, SMALL, &name);
+    }
     key(&mut page, [frame.x0, frame.y0 - 9.0], reading);
-    page.finish(frame.x1 + 16.0, frame.y1 + 42.0, "Error against load")
+    page.finish(frame.x1 + if several { 64.0 } else { 16.0 }, frame.y1 + 42.0, "Error against load")
 }
 
 /// Line, mark and name of each series, in one row.

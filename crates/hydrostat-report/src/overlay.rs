@@ -33,6 +33,15 @@ impl Plane {
     }
 }
 
+impl Plane {
+    /// Whether a measured point has its place in this plane: both axes were read, or the only one that was.
+    pub(crate) fn shows(self, experiment: &Experiment, point: usize) -> bool {
+        let Some(point) = experiment.points.get(point) else { return true };
+        let read = [self.right, self.up].map(|axis| point.axes.contains(&axis));
+        if point.axes.len() > 1 { read == [true, true] } else { read != [false, false] }
+    }
+}
+
 /// The plane that was measured; two planes where three axes were, or where the shape leaves the plane.
 pub(crate) fn planes(experiment: &Experiment, verification: &Verification) -> Vec<Plane> {
     let gravity = experiment.axes.rotation.inverse() * experiment.robot.gravity;
@@ -141,6 +150,9 @@ fn shapes_svg(
     let every = verification.rows.len().div_ceil(LABELS).max(1);
     for (i, row) in verification.rows.iter().enumerate() {
         for (j, point) in row.points.iter().enumerate() {
+            if !plane.shows(experiment, j) {
+                continue;
+            }
             let c = plane.on_page(&observed(experiment, row, j, point), scale);
             scene.cross(c, 4.2, Pen::new(INK, 1.3));
             obstacles.boxes.push(Rect::centred(c, 8.0, 8.0));

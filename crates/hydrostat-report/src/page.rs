@@ -77,10 +77,17 @@ pub fn verification_page(
         .expect("the template is part of the program")
 }
 
-/// The drawing of that page alone: predicted shapes and observed points over the grid, in the first plane that was read.
+/// The drawing of that page alone: predicted shapes and observed points over the grid, in the plane in which they differ
+/// most.
 pub fn verification_svg(experiment: &Experiment, verification: &Verification) -> String {
-    let plane = &planes(experiment, verification)[..1];
-    shapes_svgs(experiment, verification, plane, &row_names(experiment, verification)).concat()
+    let spread = |axis: usize| {
+        let ends = verification.rows.iter().filter_map(|row| row.shape.last()).map(|end| end[axis]);
+        let [low, high] = ends.fold([f64::INFINITY, f64::NEG_INFINITY], |r, x| [r[0].min(x), r[1].max(x)]);
+        high - low
+    };
+    let mut planes = planes(experiment, verification);
+    planes.sort_by(|a, b| spread(b.right).total_cmp(&spread(a.right)));
+    shapes_svgs(experiment, verification, &planes[..1], &row_names(experiment, verification)).concat()
 }
 
 /// Whether rows are named by their number: unless one varied input tells them apart.
