@@ -189,7 +189,7 @@ fn templates_are_accepted_under_any_name() {
 #[test]
 #[expect(clippy::print_stderr, reason = "a skipped test says so")]
 fn reference_cases_without_tendons_are_accepted() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../../shared/data/reference_cases");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/reference_cases");
     let Ok(entries) = std::fs::read_dir(&folder) else {
         eprintln!("skipped: no {}", folder.display());
         return;

@@ -1,6 +1,7 @@
 //! Drives the real program as a user does.
 
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+#![allow(clippy::print_stdout, reason = "a skipped test says so")]
 
 mod new;
 mod outputs;

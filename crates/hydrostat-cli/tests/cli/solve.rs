@@ -1,6 +1,7 @@
 //! `hydrostat solve`.
 
 use crate::{Folder, ROD, json, keys};
+use std::path::Path;
 
 #[test]
 fn the_summary_is_for_people() {
@@ -93,4 +94,46 @@ fn a_failing_check_is_exit_code_1() {
     assert_eq!(run.code, 1);
     assert!(run.stderr.starts_with("warning: check strain fails"), "{}", run.stderr);
     assert_eq!(json(&run.stdout)["checks"][0]["ok"], false);
+}
+
+/// The rods of ../shared/data/reference_cases, solved by another program; agreement to 1e-7 of the length is promised there.
+#[test]
+fn reference_rods_agree() {
+    const AGREEMENT: f64 = 1e-7;
+    let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/reference_cases");
+    let Ok(entries) = std::fs::read_dir(&cases) else {
+        println!("skipped: no folder {}", cases.display());
+        return;
+    };
+    let names = entries.map(|entry| entry.unwrap().path());
+    let rods = names.filter(|path| {
+        let name = path.file_name().unwrap().to_string_lossy();
+        name.starts_with('r') && name.ends_with(".toml")
+    });
+    let folder = Folder::new("reference_rods");
+    for rod in rods {
+        let expected: serde_json::Value =
+            serde_json::from_str(&std::fs::read_to_string(rod.with_extension("json")).unwrap()).unwrap();
+        let found = json(&folder.run(&format!("solve {} --json --stations 21", rod.display())).succeeds());
+        let length = expected["length_m"].as_f64().unwrap();
+        let numbers = |value: &serde_json::Value| -> Vec<f64> {
+            let rows = value.as_array().unwrap().iter().flat_map(|row| row.as_array().unwrap());
+            rows.map(|number| number.as_f64().unwrap()).collect()
+        };
+        for (expected, found, unit) in [
+            (&expected["position_m"], &found["stations"]["position_m"], length),
+            (&expected["tip_rotation"], &found["tip"]["rotation"], 1.0),
+        ] {
+            let (expected, found) = (numbers(expected), numbers(found));
+            // some cases repeat the tip behind the 21 stations
+            assert!(expected.len() >= found.len() && found.len() >= 9, "{}", rod.display());
+            for (expected, found) in expected.iter().zip(&found) {
+                assert!(
+                    (expected - found).abs() <= AGREEMENT * unit,
+                    "{}: {expected} {found}",
+                    rod.display()
+                );
+            }
+        }
+    }
 }
