@@ -31,8 +31,10 @@ fn points(experiment: &Experiment, verification: &Verification, length: f64) -> 
     if several {
         header.push("at [mm]".into());
     }
-    let axes = |point: Option<&Point>| point.map_or(String::new(), axis_names);
-    let names = axes(experiment.points.first());
+    // the axes that any point has
+    let axes: Vec<usize> =
+        (0..3).filter(|axis| experiment.points.iter().any(|point| point.axes.contains(axis))).collect();
+    let names = axes.iter().map(|&axis| ["x", "y", "z"][axis]).collect::<Vec<_>>().join(" ");
     header.push(format!("predicted {names} [mm]"));
     header.push(format!("observed {names} [mm]"));
     header.extend(["error [mm]".into(), "error [% of length]".into()]);
@@ -49,22 +51,20 @@ fn points(experiment: &Experiment, verification: &Verification, length: f64) -> 
             if several {
                 cells.push(format!("{:.1}", error.at * MM));
             }
-            cells.extend(point_cells(point, error, length));
+            cells.extend(point_cells(point, &axes, error, length));
             table.push(cells);
         }
     }
     table
 }
 
-fn point_cells(point: &Point, error: &PointError, length: f64) -> [String; 4] {
+fn point_cells(point: &Point, axes: &[usize], error: &PointError, length: f64) -> [String; 4] {
     let read = |v: &[f64]| {
-        let components: Vec<String> = point
-            .axes
-            .iter()
-            .filter_map(|&axis| v.get(axis))
-            .map(|x| format!("{:>8}", fixed(x * MM, 2)))
-            .collect();
-        components.join(" ")
+        let component = |axis: &usize| match point.axes.contains(axis) {
+            true => format!("{:>8}", fixed(v[*axis] * MM, 2)),
+            false => format!("{:>8}", "-"),
+        };
+        axes.iter().map(component).collect::<Vec<_>>().join(" ")
     };
     [
         read(error.predicted.as_slice()),
@@ -72,10 +72,6 @@ fn point_cells(point: &Point, error: &PointError, length: f64) -> [String; 4] {
         format!("{:.2}", error.error * MM),
         format!("{:.2}", error.error / length * 100.0),
     ]
-}
-
-fn axis_names(point: &Point) -> String {
-    point.axes.iter().filter_map(|&axis| ["x", "y", "z"].get(axis).copied()).collect::<Vec<_>>().join(" ")
 }
 
 /// One line per model.
