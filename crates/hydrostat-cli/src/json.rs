@@ -85,6 +85,7 @@ pub(crate) fn verification(experiment: &Experiment, verification: &Verification)
 /// The solver's name as in `--method`.
 pub(crate) fn method(method: Method) -> &'static str {
     match method {
+        Method::Energy => "energy",
         Method::Shooting => "shooting",
     }
 }

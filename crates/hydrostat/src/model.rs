@@ -13,7 +13,10 @@ pub struct Robot {
     /// Pose of the backbone at s = 0, world frame; third column of the rotation along the backbone.
     pub base: Pose,
     pub sections: Vec<Section>,
+    pub tendons: Vec<Tendon>,
     pub loads: Vec<Load>,
+    /// One command per tendon, in their order.
+    pub actuation: Vec<Command>,
 }
 
 /// A position and a rotation (columns d1 d2 d3) in the world frame.
@@ -86,11 +89,73 @@ pub enum CrossSection {
     },
 }
 
-/// Guides (disks) on a section: where, from the section's base, and the mass of each.
+/// Guides (disks) on a section: where, from the section's base, and what each is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Guides {
     pub positions: Vec<f64>,
     pub mass: f64,
+    /// Centre of mass along (d1, d2) from the backbone.
+    pub mass_center: [f64; 2],
+    /// Outer radius, where it is known.
+    pub radius: Option<f64>,
+}
+
+/// A tendon, from the base to the tip of a section.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tendon {
+    pub name: String,
+    /// Index of the section at whose tip it is fixed.
+    pub ends: usize,
+    pub path: Path,
+    pub routing: Routing,
+    /// EA, N; None for an inextensible tendon.
+    pub stiffness: Option<f64>,
+    /// Capstan coefficient; 0 without friction.
+    pub friction: f64,
+    /// Largest admissible tension, N.
+    pub breaking_load: Option<f64>,
+    /// Mass per length of its path.
+    pub mass_per_length: f64,
+}
+
+/// Where a tendon passes the cross-sections: a hole at (radius cos angle, radius sin angle) along (d1, d2). Radius and angle
+/// vary linearly with s from the base to the tendon's end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Path {
+    pub radius: f64,
+    pub tip_radius: f64,
+    /// At the base, rad.
+    pub angle: f64,
+    /// Of the helix, over the tendon's length; right-handed about d3.
+    pub turns: f64,
+}
+
+/// How a tendon runs from hole to hole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Routing {
+    /// In a channel: through the hole of every cross-section.
+    Channel,
+    /// Straight between plates: the base, the guides, and the tips of sections where tendons end.
+    Guides,
+}
+
+/// What a tendon's motor does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Command {
+    /// Tension at the base, N, and the last direction of motion, which matters with friction.
+    Tension { tension: f64, motion: Motion },
+    /// Pulled in at the base by so much, m; above 0 shortens.
+    Displacement { displacement: f64, motion: Motion },
+}
+
+/// The last direction of a tendon's motion at the base.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Motion {
+    /// Friction lets the tension fall towards the tip.
+    #[default]
+    Pulled,
+    /// Friction lets the tension rise towards the tip.
+    Released,
 }
 
 /// A load on the backbone. Arc lengths are measured from the robot's base.
@@ -131,6 +196,43 @@ impl Robot {
     pub fn length(&self) -> f64 {
         self.sections.iter().map(|section| section.length).sum()
     }
+
+    /// Arc length at which a tendon is fixed.
+    pub fn tendon_end(&self, tendon: &Tendon) -> f64 {
+        self.sections.iter().take(tendon.ends + 1).map(|section| section.length).sum()
+    }
+
+    /// Arc lengths, ascending, at which tendons that are straight between guides pass a hole: the base, every guide, and every
+    /// section's tip where such a tendon ends, which needs a plate to hold it. Empty where no tendon is routed through guides.
+    pub fn plates(&self) -> Vec<f64> {
+        let guided = || self.tendons.iter().filter(|tendon| tendon.routing == Routing::Guides);
+        let last = guided().map(|tendon| self.tendon_end(tendon)).fold(0.0, f64::max);
+        let mut plates = vec![0.0];
+        plates.extend(guided().map(|tendon| self.tendon_end(tendon)));
+        let mut start = 0.0;
+        for section in &self.sections {
+            let guides = section.guides.iter().flat_map(|guides| &guides.positions);
+            plates.extend(guides.map(|position| start + position));
+            start += section.length;
+        }
+        let same = BEYOND_TIP * self.length();
+        plates.retain(|&plate| plate <= last + same);
+        plates.sort_by(f64::total_cmp);
+        plates.dedup_by(|later, kept| *later - *kept <= same);
+        if last > 0.0 { plates } else { Vec::new() }
+    }
+}
+
+impl Path {
+    /// The hole r and its derivative r' along s at a fraction of a tendon's `length`, body frame.
+    pub fn hole(&self, fraction: f64, length: f64) -> (Vector3<f64>, Vector3<f64>) {
+        let radius = self.radius + fraction * (self.tip_radius - self.radius);
+        let (sin, cos) = (self.angle + 2.0 * PI * self.turns * fraction).sin_cos();
+        let (growth, turning) = ((self.tip_radius - self.radius) / length, 2.0 * PI * self.turns / length);
+        let hole = Vector3::new(radius * cos, radius * sin, 0.0);
+        let along = Vector3::new(growth * cos - turning * hole.y, growth * sin + turning * hole.x, 0.0);
+        (hole, along)
+    }
 }
 
 /// How far beyond the tip rounding may put a load, as a fraction of the length.
@@ -149,6 +251,16 @@ impl Robot {
             self.base.position.iter().chain(self.base.rotation.matrix().iter()).chain(self.gravity.iter());
         finite("base pose and gravity", pose)?;
         self.sections.iter().try_for_each(Section::check)?;
+        if self.actuation.len() != self.tendons.len() {
+            let (commands, tendons) = (self.actuation.len(), self.tendons.len());
+            return Err(Error::new(format!("{commands} commands for {tendons} tendons")));
+        }
+        for (tendon, command) in self.tendons.iter().zip(&self.actuation) {
+            tendon
+                .check(self.sections.len())
+                .and_then(|()| command.check())
+                .map_err(|error| error.within(&format!("tendon \"{}\"", tendon.name)))?;
+        }
         let length = self.length();
         for (number, load) in self.loads.iter().enumerate() {
             load.kind.check(length).map_err(|error| error.within(&format!("load {}", number + 1)))?;
@@ -161,6 +273,43 @@ fn finite<'a>(what: &str, mut numbers: impl Iterator<Item = &'a f64>) -> Result<
     match numbers.find(|number| !number.is_finite()) {
         Some(number) => Err(Error::new(format!("{what}: found {number}, expected finite numbers"))),
         None => Ok(()),
+    }
+}
+
+impl Tendon {
+    fn check(&self, sections: usize) -> Result<(), Error> {
+        if self.ends >= sections {
+            return Err(Error::new(format!("it ends at section {} of {sections}", self.ends + 1)));
+        }
+        let path = &self.path;
+        finite("the path", [path.radius, path.tip_radius, path.angle, path.turns].iter())?;
+        if path.radius < 0.0 || path.tip_radius < 0.0 {
+            let smaller = path.radius.min(path.tip_radius);
+            return Err(Error::new(format!("a hole at a radius of {smaller} m")));
+        }
+        for (what, value) in [("a stiffness", self.stiffness), ("a breaking load", self.breaking_load)] {
+            if value.is_some_and(|value| !(value > 0.0 && value.is_finite())) {
+                return Err(Error::new(format!("{what} that is not a finite number above 0")));
+            }
+        }
+        for (what, value) in [("friction", self.friction), ("mass per length", self.mass_per_length)] {
+            if !(value >= 0.0 && value.is_finite()) {
+                return Err(Error::new(format!("a {what} of {value}, expected 0 or more")));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Command {
+    fn check(&self) -> Result<(), Error> {
+        match *self {
+            Command::Tension { tension, .. } if !(tension >= 0.0 && tension.is_finite()) => {
+                Err(Error::new(format!("a tension of {tension} N")).hint("a tendon only pulls: 0 N or more"))
+            }
+            Command::Displacement { displacement, .. } => finite("displacement", [displacement].iter()),
+            Command::Tension { .. } => Ok(()),
+        }
     }
 }
 

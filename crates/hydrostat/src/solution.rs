@@ -9,6 +9,8 @@ pub struct Equilibrium {
     pub tip: Pose,
     /// Evenly spaced in s, both ends included.
     pub stations: Vec<Station>,
+    /// In the order of the robot's.
+    pub tendons: Vec<TendonState>,
     pub checks: Vec<Check>,
     pub report: Report,
 }
@@ -29,6 +31,22 @@ pub struct Station {
     pub force: Vector3<f64>,
     /// Internal moment m, world frame; limit from the base side at a jump.
     pub moment: Vector3<f64>,
+}
+
+/// A tendon at the equilibrium.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TendonState {
+    pub name: String,
+    /// At the base.
+    pub tension: f64,
+    /// At its end; the same without friction.
+    pub tip_tension: f64,
+    /// Pulled in at the base, from the unloaded robot: length at rest - length + stretch.
+    pub displacement: f64,
+    /// Of its path on the deformed robot.
+    pub length: f64,
+    /// Whether it would have to push to be as long as commanded.
+    pub slack: bool,
 }
 
 /// A quantity held against its limit.
@@ -65,5 +83,8 @@ pub struct Report {
 /// The solver that found it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
+    /// Stationary energy in strain coordinates.
+    Energy,
+    /// Integration from the base, total wrench.
     Shooting,
 }

@@ -219,6 +219,8 @@ fn runge_kutta_on_quaternions_gives_random_rods() {
 fn round_rod(name: &str, length: f64, diameter: f64, youngs_modulus: f64, density: f64) -> Robot {
     let round = CrossSection::Round { diameter };
     Robot {
+        tendons: Vec::new(),
+        actuation: Vec::new(),
         name: name.into(),
         gravity: Vector3::new(0.0, -9.81, 0.0),
         base: Pose {

@@ -36,6 +36,8 @@ fn rod() -> Robot {
     let strip = CrossSection::Strip { width: 6e-3, height: 3e-3 };
     let load = |kind| Load { name: None, kind };
     Robot {
+        tendons: Vec::new(),
+        actuation: Vec::new(),
         name: "two sections".into(),
         gravity: Vector3::new(1.0, -9.0, 3.0),
         base: Pose {

@@ -23,6 +23,8 @@ fn column() -> Robot {
     let youngs_modulus = 64.0 / (PI * diameter.powi(4));
     let round = CrossSection::Round { diameter };
     Robot {
+        tendons: Vec::new(),
+        actuation: Vec::new(),
         name: "column".into(),
         gravity: Vector3::zeros(),
         base: Pose { position: Vector3::zeros(), rotation: Rotation3::identity() },

@@ -37,12 +37,25 @@ pub(crate) fn section(name: &str, length: f64, diameter: f64) -> Section {
 
 pub(crate) fn guides(spacing: f64, length: f64) -> Option<Guides> {
     let count = (length / spacing + 1e-9) as usize;
-    Some(Guides { positions: (1..=count).map(|i| i as f64 * spacing).collect(), mass: 0.9e-3 })
+    Some(Guides {
+        positions: (1..=count).map(|i| i as f64 * spacing).collect(),
+        mass: 0.9e-3,
+        mass_center: [0.0; 2],
+        radius: None,
+    })
 }
 
 pub(crate) fn robot(name: &str, base: Pose, sections: Vec<Section>, loads: Vec<LoadKind>) -> Robot {
     let loads = loads.into_iter().map(|kind| Load { name: None, kind }).collect();
-    Robot { name: name.into(), gravity: v(0.0, 0.0, -9.81), base, sections, loads }
+    Robot {
+        tendons: Vec::new(),
+        actuation: Vec::new(),
+        name: name.into(),
+        gravity: v(0.0, 0.0, -9.81),
+        base,
+        sections,
+        loads,
+    }
 }
 
 pub(crate) fn upward() -> Pose {
@@ -82,6 +95,7 @@ pub(crate) fn integrate(robot: &Robot, u: impl Fn(f64) -> Vector3<f64>) -> Equil
     }
     let last = stations.last().unwrap();
     Equilibrium {
+        tendons: Vec::new(),
         tip: Pose { position: last.position, rotation: Rotation3::from_matrix_unchecked(last.rotation) },
         stations,
         checks: vec![Check { name: "strain", value: 0.004, limit: 0.01, ok: true, at: Some(0.0) }],

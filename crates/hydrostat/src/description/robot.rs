@@ -37,7 +37,15 @@ pub(super) fn read(root: &Node, warnings: &mut Vec<Error>) -> Result<Robot, Erro
     if let Some(node) = table.get("gravity").filter(|_| hung && gravity == Vector3::zeros()) {
         warnings.push(node.error("without gravity a hung mass weighs nothing"));
     }
-    Ok(Robot { name: name.to_string(), gravity, base, sections, loads })
+    Ok(Robot {
+        tendons: Vec::new(),
+        actuation: Vec::new(),
+        name: name.to_string(),
+        gravity,
+        base,
+        sections,
+        loads,
+    })
 }
 
 fn refuse_tendons(table: &Table) -> Result<(), Error> {

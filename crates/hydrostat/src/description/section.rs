@@ -182,7 +182,7 @@ fn read_guides(node: &Node, length: f64) -> Result<Guides, Error> {
         }
     };
     let mass = table.get("mass").map_or(Ok(0.0), |node| node.not_negative(&MASS))?;
-    Ok(Guides { positions, mass })
+    Ok(Guides { positions, mass, mass_center: [0.0; 2], radius: None })
 }
 
 /// At one spacing, two spacings, ... from the section's base, its tip included.

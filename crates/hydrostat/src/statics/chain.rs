@@ -154,6 +154,8 @@ impl Chain {
             end += section.length;
             cuts.push(end);
         }
+        cuts.extend(robot.plates());
+        cuts.extend(robot.tendons.iter().map(|tendon| robot.tendon_end(tendon)));
         for load in &robot.loads {
             match load.kind {
                 LoadKind::Point { at, .. } | LoadKind::Mass { at, .. } => cuts.push(at),

@@ -13,7 +13,7 @@ mod stability;
 
 pub use constant_curvature::{Arcs, Weight, constant_curvature};
 
-use crate::solution::Station;
+use crate::solution::{Method, Station};
 use crate::{Equilibrium, Error, Robot};
 use chain::Chain;
 use report::Judged;
@@ -25,6 +25,8 @@ use stability::SecondVariation;
 /// How accurately to solve and how much to report.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
+    /// How the shape is found.
+    pub method: Method,
     /// Largest estimated position error, as a fraction of the length; 1e-12 to 1e-2.
     pub tolerance: f64,
     /// Number of output stations, evenly spaced in s, both ends included; 0 for none.
@@ -40,6 +42,7 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Settings {
+            method: Method::Shooting,
             tolerance: 1e-9,
             stations: 101,
             shooting_intervals: None,

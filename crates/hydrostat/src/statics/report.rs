@@ -37,6 +37,7 @@ pub(super) fn equilibrium(
             rotation: Rotation3::from_matrix_unchecked(tip.rotation),
         },
         stations,
+        tendons: Vec::new(),
         checks,
         report: Report {
             method: Method::Shooting,

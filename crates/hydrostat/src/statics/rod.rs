@@ -326,6 +326,8 @@ pub(super) mod tests {
             loads.extend(of(Frame::Body, -0.7));
         }
         Robot {
+            tendons: Vec::new(),
+            actuation: Vec::new(),
             name: "tapered rod".into(),
             gravity: Vector3::new(0.2, -0.3, -1.0),
             base: Pose { position: Vector3::zeros(), rotation: Rotation3::from_euler_angles(0.4, 1.0, -0.3) },

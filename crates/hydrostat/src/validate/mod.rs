@@ -159,6 +159,8 @@ fn read(solved: &Result<Equilibrium, String>, number: impl Fn(&Equilibrium) -> f
 fn rod(length: f64, material: Material, profile: Profile) -> Robot {
     let rotation = Matrix3::from_columns(&[Vector3::y(), Vector3::z(), Vector3::x()]);
     Robot {
+        tendons: Vec::new(),
+        actuation: Vec::new(),
         name: "validation".into(),
         gravity: Vector3::zeros(),
         base: Pose { position: Vector3::zeros(), rotation: Rotation3::from_matrix_unchecked(rotation) },

@@ -40,6 +40,8 @@ pub fn robot(seed: u64, index: usize) -> Robot {
         ),
     };
     let mut robot = Robot {
+        tendons: Vec::new(),
+        actuation: Vec::new(),
         name: format!("random rod {index} of seed {seed}"),
         gravity,
         base,
