@@ -1,4 +1,4 @@
-//! Rotations: the hat map and Cayley coordinates of SO(3).
+//! Rotations: the hat map, Cayley coordinates and rotation vectors of SO(3).
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -46,6 +46,152 @@ pub fn cayley_rate(w: &Vector3<f64>, u: &Vector3<f64>) -> Vector3<f64> {
     u + 0.5 * w.cross(u) + (0.25 * w.dot(u)) * w
 }
 
+/// A rotation vector `w` with what its exponential and its rate need, theory (23, 24).
+///
+/// ```text
+/// E(w) = I + sinc hat(w) + alpha hat(w)^2
+/// u = J(w) w' = w' - alpha w x w' + beta w x (w x w')     while R = R0 E(w),  R' = R hat(u)
+/// ```
+/// `alpha` = (1 - cos |w|) / |w|^2 and `beta` = (|w| - sin |w|) / |w|^3 are entire functions of x = |w|^2; their
+/// derivatives are with respect to x.
+#[derive(Clone, Copy, Debug)]
+pub struct RotationVector {
+    w: Vector3<f64>,
+    sinc: f64,
+    alpha: [f64; 3],
+    beta: [f64; 3],
+}
+
+/// Terms of the series of `alpha` and `beta`; below `SERIES_UP_TO` the next is under 1e-17.
+const TERMS: usize = 11;
+const SERIES_UP_TO: f64 = 3.0;
+
+/// Coefficients of sum (-x)^k / (2k + first)! and of its first two derivatives.
+const fn series(first: usize) -> [[f64; TERMS]; 3] {
+    let mut table = [[0.0; TERMS]; 3];
+    let (mut k, mut coefficient, mut factor) = (0, 1.0, 1);
+    while factor < first {
+        factor += 1;
+        coefficient /= factor as f64;
+    }
+    while k < TERMS {
+        table[0][k] = coefficient;
+        if k >= 1 {
+            table[1][k - 1] = k as f64 * coefficient;
+        }
+        if k >= 2 {
+            table[2][k - 2] = (k * (k - 1)) as f64 * coefficient;
+        }
+        k += 1;
+        coefficient /= -(((2 * k + first) * (2 * k + first - 1)) as f64);
+    }
+    table
+}
+
+const ALPHA: [[f64; TERMS]; 3] = series(2);
+const BETA: [[f64; TERMS]; 3] = series(3);
+
+fn polynomial(coefficients: &[f64; TERMS], x: f64) -> f64 {
+    coefficients.iter().rev().fold(0.0, |sum, c| sum * x + c)
+}
+
+impl RotationVector {
+    pub fn new(w: Vector3<f64>) -> Self {
+        let x = w.norm_squared();
+        if x < SERIES_UP_TO {
+            let alpha = [0, 1, 2].map(|i| polynomial(&ALPHA[i], x));
+            let beta = [0, 1, 2].map(|i| polynomial(&BETA[i], x));
+            return RotationVector { w, sinc: 1.0 - x * beta[0], alpha, beta };
+        }
+        let angle = x.sqrt();
+        let sinc = angle.sin() / angle;
+        let (a, b) = ((1.0 - angle.cos()) / x, (1.0 - sinc) / x);
+        let (a1, b1) = ((sinc - 2.0 * a) / (2.0 * x), (a - 3.0 * b) / (2.0 * x));
+        let (a2, b2) = ((0.5 * (b - a) - 4.0 * a1) / (2.0 * x), (a1 - 5.0 * b1) / (2.0 * x));
+        RotationVector { w, sinc, alpha: [a, a1, a2], beta: [b, b1, b2] }
+    }
+
+    /// E(w).
+    pub fn rotation(&self) -> Matrix3<f64> {
+        let (w, c, s) = (&self.w, self.alpha[0], self.sinc);
+        let d = 1.0 - c * w.norm_squared();
+        let (xy, xz, yz) = (c * w.x * w.y, c * w.x * w.z, c * w.y * w.z);
+        let (x, y, z) = (s * w.x, s * w.y, s * w.z);
+        Matrix3::new(
+            d + c * w.x * w.x,
+            xy - z,
+            xz + y,
+            xy + z,
+            d + c * w.y * w.y,
+            yz - x,
+            xz - y,
+            yz + x,
+            d + c * w.z * w.z,
+        )
+    }
+
+    /// J(w): the body-frame rate of rotation over the rate of `w`.
+    pub fn jacobian(&self) -> Matrix3<f64> {
+        let (w, a, b) = (&self.w, self.alpha[0], self.beta[0]);
+        let d = 1.0 - b * w.norm_squared();
+        let (xy, xz, yz) = (b * w.x * w.y, b * w.x * w.z, b * w.y * w.z);
+        let (x, y, z) = (a * w.x, a * w.y, a * w.z);
+        Matrix3::new(
+            d + b * w.x * w.x,
+            xy + z,
+            xz - y,
+            xy - z,
+            d + b * w.y * w.y,
+            yz + x,
+            xz + y,
+            yz - x,
+            d + b * w.z * w.z,
+        )
+    }
+
+    /// d(J(w) a)/dw at fixed `a`.
+    pub fn jacobian_differential(&self, a: &Vector3<f64>) -> Matrix3<f64> {
+        self.differential(-1.0, a)
+    }
+
+    /// d(J(w)^T a)/dw at fixed `a`; its symmetric part is the quadratic form `d -> a . dJ[d] d`.
+    pub fn transpose_differential(&self, a: &Vector3<f64>) -> Matrix3<f64> {
+        self.differential(1.0, a)
+    }
+
+    /// d/dw of `a + sign alpha w x a + beta w x (w x a)`.
+    fn differential(&self, sign: f64, a: &Vector3<f64>) -> Matrix3<f64> {
+        let (w, [alpha, alpha1, _], [beta, beta1, _]) = (&self.w, self.alpha, self.beta);
+        let across = w.cross(a);
+        let wa = w.dot(a);
+        let along_w = 2.0 * (sign * alpha1 * across + beta1 * w.cross(&across));
+        let mut d = hat(a) * (-sign * alpha) + beta * (w * a.transpose() - 2.0 * a * w.transpose());
+        d += along_w * w.transpose();
+        d.m11 += beta * wa;
+        d.m22 += beta * wa;
+        d.m33 += beta * wa;
+        d
+    }
+
+    /// Second derivative of `c . J(w) a` with respect to `w`, symmetric.
+    pub fn second_differential(&self, c: &Vector3<f64>, a: &Vector3<f64>) -> Matrix3<f64> {
+        let (w, x) = (&self.w, self.w.norm_squared());
+        let ([_, alpha1, alpha2], [beta, beta1, beta2]) = (self.alpha, self.beta);
+        // c . J a = c . a - alpha w . k + beta w . S w,  S = sym(c a^T) - (c . a) I
+        let (k, ca) = (a.cross(c), c.dot(a));
+        let sw = 0.5 * (c * a.dot(w) + a * c.dot(w)) - ca * w;
+        let (wk, q) = (w.dot(&k), c.dot(w) * a.dot(w) - x * ca);
+        let s = 0.5 * (c * a.transpose() + a * c.transpose()) - Matrix3::from_diagonal_element(ca);
+        let mixed = 4.0 * beta1 * sw - 2.0 * alpha1 * k;
+        let diagonal = 2.0 * (beta1 * q - alpha1 * wk);
+        2.0 * beta * s
+            + Matrix3::from_diagonal_element(diagonal)
+            + (4.0 * (beta2 * q - alpha2 * wk)) * (w * w.transpose())
+            + w * mixed.transpose()
+            + mixed * w.transpose()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -67,5 +213,41 @@ mod tests {
         let ahead = cayley_coordinates(&(cayley(&w) * cayley(&(h * u))));
         let behind = cayley_coordinates(&(cayley(&w) * cayley(&(-h * u))));
         assert!(((ahead - behind) / (2.0 * h) - cayley_rate(&w, &u)).norm() < 1e-9);
+    }
+
+    /// On both sides of the limit of the series.
+    const VECTORS: [[f64; 3]; 3] = [[0.02, -0.01, 0.03], [0.3, -1.2, 0.7], [1.3, -1.2, 0.9]];
+
+    #[test]
+    fn rotation_vectors_match_nalgebra_and_finite_differences() {
+        let (a, c, h) = (Vector3::new(-0.5, 0.2, 1.1), Vector3::new(0.7, 0.4, -0.9), 1e-5);
+        for w in VECTORS.map(Vector3::from) {
+            let at = |w: Vector3<f64>| RotationVector::new(w);
+            assert!((at(w).rotation() - nalgebra::Rotation3::new(w).matrix()).norm() < 1e-15);
+            for i in 0..3 {
+                let step = h * Vector3::ith(i, 1.0);
+                let central =
+                    |of: &dyn Fn(Vector3<f64>) -> Vector3<f64>| (of(w + step) - of(w - step)) / (2.0 * h);
+                // E(w)^T dE = hat(J dw)
+                let turn = at(w - step).rotation().transpose() * at(w + step).rotation() / (2.0 * h);
+                let rate = 0.5 * Vector3::new(turn.m32 - turn.m23, turn.m13 - turn.m31, turn.m21 - turn.m12);
+                assert!((rate - at(w).jacobian().column(i)).norm() < 1e-9);
+                let j = central(&|w| at(w).jacobian() * a);
+                assert!((j - at(w).jacobian_differential(&a).column(i)).norm() < 1e-9);
+                let jt = central(&|w| at(w).jacobian().transpose() * a);
+                assert!((jt - at(w).transpose_differential(&a).column(i)).norm() < 1e-9);
+                let second = central(&|w| at(w).jacobian_differential(&a).transpose() * c);
+                assert!((second - at(w).second_differential(&c, &a).column(i)).norm() < 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn series_and_closed_forms_meet() {
+        let w = Vector3::new(1.0, 1.0, 1.0);
+        let (below, above) = (RotationVector::new(w * (1.0 - 1e-15)), RotationVector::new(w * (1.0 + 1e-15)));
+        for (a, b) in below.alpha.iter().zip(&above.alpha).chain(below.beta.iter().zip(&above.beta)) {
+            assert!((a - b).abs() < 1e-14, "{a} {b}");
+        }
     }
 }

@@ -1,5 +1,8 @@
 //! Numerical methods that know no robot.
 
+pub mod collocation;
+pub mod front;
+
 /// The explicit Runge-Kutta method of order 8 in 12 stages of Dormand and Prince, as in DOP853
 /// (Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I, 2nd ed., appendix).
 pub mod dop853 {
