@@ -2,6 +2,7 @@
 
 pub mod collocation;
 pub mod front;
+pub mod nonnegative;
 
 /// The explicit Runge-Kutta method of order 8 in 12 stages of Dormand and Prince, as in DOP853
 /// (Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I, 2nd ed., appendix).

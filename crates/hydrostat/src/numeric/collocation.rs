@@ -34,6 +34,11 @@ impl Collocation {
         let nodes: Vec<f64> = std::iter::once(0.0).chain(self.points.iter().copied()).collect();
         lagrange(&nodes, j + 1, t)
     }
+
+    /// The polynomial of one degree less, 1 at the j-th point and 0 at the others, at `t`.
+    pub fn inner(&self, j: usize, t: f64) -> f64 {
+        lagrange(&self.points, j, t).0
+    }
 }
 
 /// The j-th Lagrange polynomial on `nodes` and its derivative at `t`.

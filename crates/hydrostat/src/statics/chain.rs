@@ -32,7 +32,7 @@ pub(super) struct Span {
     force_beyond: Vector3<f64>,
     /// Dead force and moment per length besides the weight, world frame.
     force_per_length: Vector3<f64>,
-    moment_per_length: Vector3<f64>,
+    pub(super) moment_per_length: Vector3<f64>,
     /// Following force and moment per length, body frame.
     following_force: Vector3<f64>,
     following_moment: Vector3<f64>,
@@ -300,7 +300,7 @@ impl Span {
     }
 
     /// Dead force beyond `s`, world frame, theory (10): what is hung farther out, and the weight.
-    fn dead_force(&self, robot: &Robot, s: f64) -> Vector3<f64> {
+    pub(super) fn dead_force(&self, robot: &Robot, s: f64) -> Vector3<f64> {
         let length = self.to - s;
         if let Some(uniform) = &self.uniform {
             return self.force_beyond + length * (self.force_per_length + uniform.weight);
@@ -313,7 +313,7 @@ impl Span {
         self.force_beyond + length * self.force_per_length + section.material.density * volume * robot.gravity
     }
 
-    fn fraction(&self, robot: &Robot, s: f64) -> f64 {
+    pub(super) fn fraction(&self, robot: &Robot, s: f64) -> f64 {
         (s - self.section_start) / robot.sections[self.section].length
     }
 }

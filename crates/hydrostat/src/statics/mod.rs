@@ -5,6 +5,7 @@
 
 mod chain;
 mod constant_curvature;
+mod energy;
 mod report;
 mod rod;
 mod search;
@@ -82,6 +83,7 @@ pub struct Workspace {
     reached: Vec<Node>,
     dead: Sweep<2>,
     follower: Sweep<3>,
+    energy: energy::Energy,
     /// Whether `coarse` holds a converged solution.
     warm: bool,
 }
@@ -126,6 +128,13 @@ fn run(
     robot.check()?;
     settings.check()?;
     workspace.chain.rebuild(robot);
+    if settings.method == Method::Energy && !workspace.chain.follower {
+        let Workspace { chain, energy, .. } = workspace;
+        let found = energy::find(energy, robot, chain, settings, warm)?;
+        let equilibrium = report::of_energy(robot, settings, chain, energy, &found)?;
+        workspace.warm = true;
+        return Ok(equilibrium);
+    }
     let Workspace { chain, steps_per_span, order_factor, coarse, fine, reached, dead, follower, .. } =
         workspace;
     let warm = warm && steps_per_span.len() == chain.spans.len();

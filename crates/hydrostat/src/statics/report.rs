@@ -2,6 +2,7 @@
 
 use super::Settings;
 use super::chain::{Chain, Span};
+use super::energy::{self, Energy};
 use super::rod;
 use super::search::Found;
 use super::shooting::Mesh;
@@ -47,6 +48,37 @@ pub(super) fn equilibrium(
             stable: judged.stable,
             smallest_eigenvalue: judged.smallest_eigenvalue,
             unstable_from: judged.unstable_from,
+        },
+    })
+}
+
+/// Reads the equilibrium off the energy method's mesh.
+pub(super) fn of_energy(
+    robot: &Robot,
+    settings: &Settings,
+    chain: &Chain,
+    energy: &Energy,
+    found: &energy::Found,
+) -> Result<Equilibrium, Error> {
+    let (position, rotation) = energy.tip();
+    let stations: Vec<Station> = (0..settings.stations)
+        .map(|i| energy.station(robot, chain, chain_position(chain, i, settings.stations)))
+        .collect();
+    let falls = found.negative > 0;
+    let stable = if falls { Some(false) } else { chain.conservative.then_some(true) };
+    Ok(Equilibrium {
+        tip: Pose { position, rotation: Rotation3::from_matrix_unchecked(rotation) },
+        stations,
+        tendons: energy.tendon_states(robot),
+        checks: Vec::new(),
+        report: Report {
+            method: Method::Energy,
+            iterations: found.iterations,
+            residual: found.residual,
+            error_estimate: found.error_estimate,
+            stable,
+            smallest_eigenvalue: found.smallest_eigenvalue,
+            unstable_from: found.unstable_from,
         },
     })
 }

@@ -1,0 +1,294 @@
+//! Panels of the backbone with their Gauss nodes: what does not depend on the shape, and the shape itself.
+
+use super::super::chain::Chain;
+use crate::model::{Robot, Routing};
+use crate::geometry::RotationVector;
+use crate::numeric::collocation::{Collocation, FEWEST, MOST};
+use crate::numeric::larger;
+use nalgebra::{Matrix3, Rotation3, Vector3};
+use std::ops::Range;
+
+/// A piece of a span with its own polynomial.
+#[derive(Clone, Debug)]
+pub(super) struct Panel {
+    pub(super) from: f64,
+    pub(super) length: f64,
+    /// Index into `Chain::spans`.
+    pub(super) span: usize,
+    /// Its nodes among those of the mesh.
+    pub(super) nodes: Range<usize>,
+    /// The gap between two plates in which it lies, if chords run there.
+    pub(super) gap: Option<usize>,
+    /// Whether it is the last of its span, so that the span's point loads act at its end.
+    pub(super) ends_span: bool,
+}
+
+/// What a Gauss node has whatever the shape.
+#[derive(Clone, Debug)]
+pub(super) struct NodeData {
+    /// Arc length that the node stands for.
+    pub(super) weight: f64,
+    /// Diagonals of K_se and K_bt.
+    pub(super) shear: Vector3<f64>,
+    pub(super) bend: Vector3<f64>,
+    pub(super) rest_curvature: Vector3<f64>,
+    /// Dead force beyond, world frame.
+    pub(super) force: Vector3<f64>,
+    /// Dead moment per length, world frame.
+    pub(super) moment_per_length: Vector3<f64>,
+    /// First moment of the mass per length, body frame.
+    pub(super) mass_moment: Vector3<f64>,
+    /// The channel tendons that pass, among `Mesh::passing`.
+    pub(super) passing: Range<usize>,
+}
+
+/// A channel tendon at a node.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Passing {
+    pub(super) tendon: usize,
+    /// r and r', body frame.
+    pub(super) hole: Vector3<f64>,
+    pub(super) along: Vector3<f64>,
+    /// Its tension over that at the base.
+    pub(super) share: f64,
+}
+
+/// The space between two plates with the chords that cross it.
+#[derive(Clone, Debug)]
+pub(super) struct Gap {
+    pub(super) panels: Range<usize>,
+    pub(super) chords: Range<usize>,
+}
+
+/// A tendon straight between its holes in the two plates of a gap.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Chord {
+    pub(super) tendon: usize,
+    /// Holes in the first and the second plate, body frame.
+    pub(super) holes: [Vector3<f64>; 2],
+    pub(super) share: f64,
+}
+
+/// The discretised backbone.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Mesh {
+    pub(super) panels: Vec<Panel>,
+    pub(super) data: Vec<NodeData>,
+    pub(super) passing: Vec<Passing>,
+    pub(super) gaps: Vec<Gap>,
+    pub(super) chords: Vec<Chord>,
+    /// Rotation vector since the panel's start, per node.
+    pub(super) turn: Vec<Vector3<f64>>,
+    /// Shear and stretch, per node.
+    pub(super) v: Vec<Vector3<f64>>,
+    /// At the panels' starts and at the tip (panels + 1).
+    pub(super) rotations: Vec<Matrix3<f64>>,
+    pub(super) positions: Vec<Vector3<f64>>,
+}
+
+/// Tables by number of points.
+#[derive(Clone, Debug)]
+pub(super) struct Tables(Vec<Collocation>);
+
+impl Default for Tables {
+    fn default() -> Self {
+        Tables((FEWEST..=MOST).map(Collocation::new).collect())
+    }
+}
+
+impl Tables {
+    pub(super) fn of(&self, points: usize) -> &Collocation {
+        &self.0[points - FEWEST]
+    }
+}
+
+/// How one panel is laid out: number of parts its span is cut into, and points in each.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Layout {
+    pub(super) parts: usize,
+    pub(super) points: usize,
+}
+
+impl Mesh {
+    /// Lays panels on the chain, one layout per span, at rest.
+    pub(super) fn rebuild(&mut self, robot: &Robot, chain: &Chain, layouts: &[Layout], tables: &Tables) {
+        self.panels.clear();
+        self.data.clear();
+        self.passing.clear();
+        for (number, (span, layout)) in chain.spans.iter().zip(layouts).enumerate() {
+            let length = (span.to - span.from) / layout.parts as f64;
+            for part in 0..layout.parts {
+                let from = span.from + part as f64 * length;
+                let first = self.data.len();
+                let table = tables.of(layout.points);
+                for (point, weight) in table.points.iter().zip(&table.weights) {
+                    self.add_node(robot, chain, number, from + point * length, weight * length);
+                }
+                self.panels.push(Panel {
+                    from,
+                    length,
+                    span: number,
+                    nodes: first..self.data.len(),
+                    gap: None,
+                    ends_span: part + 1 == layout.parts,
+                });
+            }
+        }
+        self.find_gaps(robot, chain);
+        self.rest(robot, tables);
+    }
+
+    fn add_node(&mut self, robot: &Robot, chain: &Chain, span: usize, s: f64, weight: f64) {
+        let of = &chain.spans[span];
+        let section = &robot.sections[of.section];
+        let (shear, bend) = section.stiffness(of.fraction(robot, s));
+        let first = self.passing.len();
+        for (tendon, routed) in robot.tendons.iter().enumerate() {
+            let end = robot.tendon_end(routed);
+            if routed.routing == Routing::Channel && s < end {
+                let (hole, along) = routed.path.hole(s / end, end);
+                self.passing.push(Passing { tendon, hole, along, share: 1.0 });
+            }
+        }
+        self.data.push(NodeData {
+            weight,
+            shear,
+            bend,
+            rest_curvature: section.rest_curvature,
+            force: of.dead_force(robot, s),
+            moment_per_length: of.moment_per_length,
+            mass_moment: Vector3::zeros(),
+            passing: first..self.passing.len(),
+        });
+    }
+
+    /// The gaps between plates, and the chords in each.
+    fn find_gaps(&mut self, robot: &Robot, chain: &Chain) {
+        self.gaps.clear();
+        self.chords.clear();
+        let same = 1e-9 * chain.length;
+        for pair in robot.plates().windows(2) {
+            let first = self.chords.len();
+            for (tendon, routed) in robot.tendons.iter().enumerate() {
+                let end = robot.tendon_end(routed);
+                if routed.routing == Routing::Guides && pair[1] <= end + same {
+                    let holes = [pair[0], pair[1]].map(|s| routed.path.hole(s / end, end).0);
+                    self.chords.push(Chord { tendon, holes, share: 1.0 });
+                }
+            }
+            let inside = |panel: &Panel| panel.from > pair[0] - same && panel.from < pair[1] - same;
+            let start = self.panels.iter().position(inside).unwrap_or(self.panels.len());
+            let count = self.panels[start..].iter().take_while(|panel| inside(panel)).count();
+            for panel in &mut self.panels[start..start + count] {
+                panel.gap = Some(self.gaps.len());
+            }
+            self.gaps.push(Gap { panels: start..start + count, chords: first..self.chords.len() });
+        }
+    }
+
+    /// Puts every node at rest: no wrench.
+    pub(super) fn rest(&mut self, robot: &Robot, tables: &Tables) {
+        self.v.clear();
+        self.v.resize(self.data.len(), Vector3::z());
+        self.turn.clear();
+        self.turn.resize(self.data.len(), Vector3::zeros());
+        for panel in &self.panels {
+            let table = tables.of(panel.nodes.len());
+            for (node, point) in panel.nodes.clone().zip(&table.points) {
+                // u* is constant along a section
+                self.turn[node] = point * panel.length * self.data[node].rest_curvature;
+            }
+        }
+        self.rotations.clear();
+        self.rotations.push(*robot.base.rotation.matrix());
+        self.positions.clear();
+        self.positions.push(robot.base.position);
+        self.rotations.resize(self.panels.len() + 1, Matrix3::identity());
+        self.positions.resize(self.panels.len() + 1, Vector3::zeros());
+    }
+
+    /// d(turn)/ds at a node, from the polynomial of its panel.
+    pub(super) fn turn_rate(&self, panel: &Panel, table: &Collocation, local: usize) -> Vector3<f64> {
+        let points = panel.nodes.len();
+        let row = &table.derivative[local * points..(local + 1) * points];
+        let turns = &self.turn[panel.nodes.clone()];
+        row.iter().zip(turns).map(|(d, turn)| *d * turn).sum::<Vector3<f64>>() / panel.length
+    }
+
+    /// Turn from the start of the panel to its end.
+    pub(super) fn end_turn(&self, panel: &Panel, table: &Collocation) -> Vector3<f64> {
+        table.end.iter().zip(&self.turn[panel.nodes.clone()]).map(|(e, turn)| *e * turn).sum()
+    }
+}
+
+/// The shape between the nodes.
+pub(super) struct Sample {
+    pub(super) panel: usize,
+    pub(super) position: Vector3<f64>,
+    pub(super) rotation: Matrix3<f64>,
+    pub(super) v: Vector3<f64>,
+    pub(super) u: Vector3<f64>,
+}
+
+impl Mesh {
+    /// The placed shape at `s`, on the base side of a cut.
+    pub(super) fn at(&self, tables: &Tables, s: f64) -> Sample {
+        let k = self.panels.partition_point(|panel| panel.from < s).saturating_sub(1);
+        let panel = &self.panels[k];
+        let table = tables.of(panel.nodes.len());
+        let t = ((s - panel.from) / panel.length).clamp(0.0, 1.0);
+        let (rotation, v, u) = self.within(panel, table, &self.rotations[k], t);
+        let mut position = self.positions[k];
+        for (point, weight) in table.points.iter().zip(&table.weights) {
+            let (rotation, v, _) = self.within(panel, table, &self.rotations[k], t * point);
+            position += (t * weight * panel.length) * (rotation * v);
+        }
+        Sample { panel: k, position, rotation, v, u }
+    }
+
+    /// Rotation and strains at a fraction of a panel.
+    fn within(
+        &self,
+        panel: &Panel,
+        table: &Collocation,
+        start: &Matrix3<f64>,
+        t: f64,
+    ) -> (Matrix3<f64>, Vector3<f64>, Vector3<f64>) {
+        let (mut turn, mut rate, mut v) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
+        for (j, node) in panel.nodes.clone().enumerate() {
+            let (value, slope) = table.basis(j, t);
+            turn += value * self.turn[node];
+            rate += slope / panel.length * self.turn[node];
+            v += table.inner(j, t) * self.v[node];
+        }
+        let turn = RotationVector::new(turn);
+        (start * turn.rotation(), v, turn.jacobian() * rate)
+    }
+
+    /// Starts from the shape of another mesh on the same chain.
+    pub(super) fn prolong(&mut self, from: &Mesh, tables: &Tables) {
+        for k in 0..self.panels.len() {
+            let panel = &self.panels[k];
+            let start = if k == 0 { self.rotations[0] } else { from.at(tables, panel.from).rotation };
+            let points = &tables.of(panel.nodes.len()).points;
+            for (node, point) in panel.nodes.clone().zip(points) {
+                let sample = from.at(tables, panel.from + point * panel.length);
+                let turn = Rotation3::from_matrix_unchecked(start.tr_mul(&sample.rotation));
+                self.turn[node] = turn.scaled_axis();
+                self.v[node] = sample.v;
+            }
+        }
+    }
+
+    /// Takes over the shape of a mesh with the same layout.
+    pub(super) fn copy_shape(&mut self, from: &Mesh) {
+        self.turn.clone_from(&from.turn);
+        self.v.clone_from(&from.v);
+    }
+
+    /// Largest turn of a panel.
+    pub(super) fn largest_turn(&self, tables: &Tables) -> f64 {
+        let turn = |panel: &Panel| self.end_turn(panel, tables.of(panel.nodes.len())).norm();
+        self.panels.iter().map(turn).fold(0.0, larger)
+    }
+}

@@ -1,0 +1,39 @@
+//! The stationary energy in strain coordinates: the default method.
+//!
+//! Each panel of the backbone has a polynomial for its rotation vector, and so for its bending and twist, and values of
+//! shear and stretch at its Gauss nodes (`mesh`, `node`); one block elimination along the chain gives Newton's step and the
+//! inertia of the Hessian (`sweep`, `newton`); `search` leads from the unloaded shape to the full load.
+
+mod mesh;
+mod newton;
+mod node;
+mod search;
+mod sweep;
+mod tendons;
+
+pub(super) use search::{Found, find};
+
+use mesh::{Layout, Mesh, Tables};
+use newton::Linear;
+use sweep::Sweep;
+use tendons::Drive;
+
+/// Memory that solves share, and the last solution.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Energy {
+    tables: Tables,
+    layouts: Vec<Layout>,
+    coarse: Mesh,
+    pub(super) fine: Mesh,
+    /// The coarse mesh's shape at the last load step, to go back to.
+    reached: Mesh,
+    memory: Memory,
+}
+
+/// Scratch of one linearisation, and the tendons' tensions.
+#[derive(Clone, Debug, Default)]
+struct Memory {
+    sweep: Sweep,
+    linear: Linear,
+    drive: Drive,
+}

@@ -1,0 +1,215 @@
+//! Newton's method for the stationary energy, with the held tendons' lengths as constraints.
+
+use super::mesh::Mesh;
+use super::sweep::{Column, Factored, Problem, Step, Sweep};
+use super::tendons::{self, Drive};
+use super::{Memory, Tables};
+use crate::Robot;
+use crate::numeric::{larger, nonnegative};
+use crate::statics::chain::Chain;
+use nalgebra::{DMatrix, DVector};
+
+/// One linearisation with its right-hand sides: the gradient, and the length of each held tendon.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Linear {
+    gradient: Column,
+    lengths: Vec<Column>,
+    pulls: Vec<Column>,
+    pub(super) step: Step,
+    responses: Vec<Step>,
+    /// New tensions of the held tendons.
+    pub(super) tensions: Vec<f64>,
+}
+
+/// What one linearisation found.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Linearised {
+    /// Largest rotation of the step, rad, or relative change of a tension's bending.
+    pub(super) correction: f64,
+    pub(super) residual: f64,
+    /// Directions in which the energy falls while the held tendons stay as they are.
+    pub(super) negative: Option<usize>,
+}
+
+/// Newton's corrections must shrink at least by this factor, or the start is too far for the same branch.
+const CONTRACTION: f64 = 0.5;
+const MAX_ITERATIONS: usize = 50;
+/// Of two iterations, how much faster than linear: correction_(k+1) < QUADRATIC correction_k^2.
+const QUADRATIC: f64 = 10.0;
+/// Size of the corrections that rounding may cause, and of the residual that it leaves.
+const ROUNDING_CORRECTION: f64 = 1e-9;
+const ROUNDING_RESIDUAL: f64 = 1e-8;
+
+/// A converged iteration.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Converged {
+    pub(super) residual: f64,
+    pub(super) negative: usize,
+}
+
+/// Why an iteration ended without converging.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Stuck {
+    pub(super) correction: f64,
+}
+
+/// The equations at one part of the loads.
+pub(super) struct Equations<'a> {
+    pub(super) robot: &'a Robot,
+    pub(super) chain: &'a Chain,
+    pub(super) tables: &'a Tables,
+    pub(super) factor: f64,
+}
+
+impl Equations<'_> {
+    pub(super) fn problem<'b>(&'b self, tensions: &'b [f64]) -> Problem<'b> {
+        Problem {
+            chain: self.chain,
+            tables: self.tables,
+            factor: self.factor,
+            gravity: self.robot.gravity,
+            tensions,
+        }
+    }
+
+    /// Linearises at the mesh's shape and solves for the step. `softness` is the length that a held tendon gives per tension
+    /// beside its own stretch; `shift` makes the elastic part of the Hessian larger.
+    pub(super) fn linearise(&self, memory: &mut Memory, mesh: &mut Mesh, shift: f64) -> Linearised {
+        let Memory { sweep, linear, drive } = memory;
+        drive.apply(self.robot, self.factor);
+        sweep.place(mesh, self.tables);
+        tendons::measure(mesh, sweep, &mut drive.lengths, self.robot.tendons.len());
+        let problem = self.problem(&drive.tensions);
+        let factored = sweep.factor(&problem, mesh, shift, &mut linear.gradient);
+        linear.gradient.negate();
+        sweep.solve(mesh, self.tables, &linear.gradient, &mut linear.step);
+        let held = self.hold(sweep, linear, drive, mesh);
+        self.judge(factored, held, linear)
+    }
+
+    fn judge(&self, factored: Factored, held: Held, linear: &Linear) -> Linearised {
+        Linearised {
+            correction: larger(linear.step.size, held.change),
+            residual: larger(factored.residual, held.residual),
+            negative: factored.negative.map(|negative| negative.saturating_sub(held.negative)),
+        }
+    }
+
+    /// Corrects the step so that taut tendons keep their lengths, and finds their tensions (Schur complement, theory (36)).
+    fn hold(&self, sweep: &mut Sweep, linear: &mut Linear, drive: &mut Drive, mesh: &Mesh) -> Held {
+        let count = drive.held.len();
+        linear.tensions.clear();
+        if count == 0 {
+            return Held::default();
+        }
+        linear.lengths.resize_with(count, Column::default);
+        linear.pulls.resize_with(count, Column::default);
+        linear.responses.resize_with(count, Step::default);
+        for (i, &tendon) in drive.held.iter().enumerate() {
+            tendons::length_form(mesh, sweep, tendon, false, &mut linear.lengths[i]);
+            tendons::length_form(mesh, sweep, tendon, true, &mut linear.pulls[i]);
+            sweep.solve(mesh, self.tables, &linear.pulls[i], &mut linear.responses[i]);
+        }
+        let dot = |i: usize, step: &Step| linear.lengths[i].dot(sweep, mesh, self.tables, step);
+        let mut s = DMatrix::from_fn(count, count, |i, j| dot(i, &linear.responses[j]));
+        for (i, &tendon) in drive.held.iter().enumerate() {
+            s[(i, i)] += drive.compliance(self.robot, tendon);
+        }
+        let now = DVector::from_fn(count, |i, _| drive.tensions[drive.held[i]]);
+        let excess = DVector::from_fn(count, |i, _| drive.excess(self.robot, drive.held[i], self.factor));
+        let right = DVector::from_fn(count, |i, _| dot(i, &linear.step)) + &excess + &s * &now;
+        let symmetric = 0.5 * (&s + s.transpose());
+        let curvatures = symmetric.clone().symmetric_eigenvalues();
+        let negative = curvatures.iter().filter(|value| **value < -1e-12 * curvatures.amax()).count();
+        // taut tendons pull; where the chain alone is unstable the taut ones stay those of before
+        let solved = if negative == 0 {
+            nonnegative::minimise(&s, &right)
+        } else {
+            let taut = drive.taut.clone();
+            let masked = DMatrix::from_fn(count, count, |i, j| {
+                if taut[i] && taut[j] { s[(i, j)] } else { f64::from(u8::from(i == j)) }
+            });
+            masked.lu().solve(&DVector::from_fn(count, |i, _| if taut[i] { right[i] } else { 0.0 }))
+        };
+        let Some(tensions) = solved else {
+            return Held { change: f64::NAN, residual: f64::NAN, negative };
+        };
+        let mut held = Held { change: 0.0, residual: 0.0, negative };
+        for i in 0..count {
+            let change = tensions[i] - now[i];
+            linear.step.add(-change, &linear.responses[i]);
+            drive.taut[i] = tensions[i] > 0.0;
+            linear.tensions.push(tensions[i]);
+            held.change = larger(held.change, (change * linear.responses[i].size).abs());
+            // too long, or slack and yet too short to be so
+            let off = if tensions[i] > 0.0 { excess[i].abs() } else { excess[i].max(0.0) };
+            held.residual = larger(held.residual, off / self.chain.length);
+        }
+        linear.step.size = linear.step.largest_turn(sweep, mesh);
+        held
+    }
+
+    /// Adds the last step to the mesh and the tensions.
+    pub(super) fn correct(&self, memory: &mut Memory, mesh: &mut Mesh) {
+        let Memory { linear, drive, .. } = memory;
+        for (turn, change) in mesh.turn.iter_mut().zip(&linear.step.turn) {
+            *turn += change;
+        }
+        for (v, change) in mesh.v.iter_mut().zip(&linear.step.v) {
+            *v += change;
+        }
+        for (&tendon, &tension) in drive.held.iter().zip(&linear.tensions) {
+            drive.tensions[tendon] = tension;
+        }
+    }
+
+    /// Newton's method until the error it leaves is below `target` (radians and like units).
+    pub(super) fn newton(
+        &self,
+        memory: &mut Memory,
+        mesh: &mut Mesh,
+        target: f64,
+        iterations: &mut usize,
+    ) -> Result<Converged, Stuck> {
+        let mut last = f64::INFINITY;
+        for _ in 0..MAX_ITERATIONS {
+            let now = self.linearise(memory, mesh, 0.0);
+            *iterations += 1;
+            let contraction = now.correction / last;
+            let rounding = now.correction <= ROUNDING_CORRECTION && contraction > CONTRACTION;
+            let first = last == f64::INFINITY && now.correction.is_finite();
+            let Some(negative) = now.negative.filter(|_| first || rounding || contraction <= CONTRACTION) else {
+                return Err(Stuck { correction: now.correction });
+            };
+            if now.correction <= target && now.residual <= target.max(ROUNDING_RESIDUAL) || rounding {
+                if now.residual > ROUNDING_RESIDUAL.max(target) {
+                    return Err(Stuck { correction: now.correction });
+                }
+                self.correct(memory, mesh);
+                memory.sweep.place(mesh, self.tables);
+                tendons::measure(mesh, &memory.sweep, &mut memory.drive.lengths, self.robot.tendons.len());
+                return Ok(Converged { residual: now.residual, negative });
+            }
+            self.correct(memory, mesh);
+            let ahead =
+                now.correction * contraction.min(QUADRATIC * now.correction).max(1e-3 * now.correction);
+            if !first && ahead <= target {
+                // the last step is taken, and the next would be too small to matter
+                memory.sweep.place(mesh, self.tables);
+                tendons::measure(mesh, &memory.sweep, &mut memory.drive.lengths, self.robot.tendons.len());
+                return Ok(Converged { residual: ahead, negative });
+            }
+            last = now.correction;
+        }
+        Err(Stuck { correction: last })
+    }
+}
+
+/// What holding the tendons' lengths found.
+#[derive(Clone, Copy, Debug, Default)]
+struct Held {
+    change: f64,
+    residual: f64,
+    /// Negative eigenvalues of the Schur complement: directions that holding the lengths takes away.
+    negative: usize,
+}

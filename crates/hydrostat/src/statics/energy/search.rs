@@ -1,0 +1,332 @@
+//! From the unloaded shape to the loaded one: load continuation, then finer meshes.
+
+use super::mesh::Layout;
+use super::newton::{Converged, Equations, Stuck};
+use super::{Energy, tendons};
+use crate::numeric::collocation::MOST;
+use crate::numeric::larger;
+use crate::solution::{Station, TendonState};
+use crate::statics::Settings;
+use crate::statics::chain::Chain;
+use crate::{Error, Robot};
+
+/// What the search found, beside the shape in `Energy::fine`.
+#[derive(Clone, Debug)]
+pub(in crate::statics) struct Found {
+    pub(in crate::statics) residual: f64,
+    pub(in crate::statics) error_estimate: f64,
+    pub(in crate::statics) negative: usize,
+    pub(in crate::statics) smallest_eigenvalue: Option<f64>,
+    pub(in crate::statics) unstable_from: Option<f64>,
+    pub(in crate::statics) iterations: usize,
+}
+
+/// Largest turn that a panel is laid out for, and with which it is cut in two, rad.
+const FIRST_TURN: f64 = 0.8;
+const LARGEST_TURN: f64 = 1.3;
+/// Points of the first mesh; more where panels turn much.
+const FIRST_POINTS: usize = 3;
+/// Factor on the error estimate, for what two or three solutions cannot tell.
+const SAFETY: f64 = 3.0;
+/// What is assumed of the reduction by one more point before it has been seen, and the largest that is believed.
+const UNSEEN_REDUCTION: f64 = 8.0;
+const LARGEST_REDUCTION: f64 = 64.0;
+const MOST_NODES: usize = 20_000;
+/// A load step may turn no cross-section by more (radians).
+const LARGEST_LOAD_TURN: f64 = 0.7;
+/// Load steps are measured in parts of the load that they lead to. A first unstable shape is accepted only where they are this small.
+const UNSTABLE_BELOW: f64 = 1.0 / 4096.0;
+const SMALLEST_LOAD_STEP: f64 = 1.0 / 65_536.0;
+const SMALLEST_LOAD: f64 = 1e-9;
+/// A search gives up after so many nodes linearised.
+const MOST_WORK: usize = 2_000_000;
+/// Accuracy on the way to the full load: enough to start the next step.
+const ON_THE_WAY: f64 = 1e-7;
+
+/// Finds the equilibrium on the primary branch; from the last solution where `warm`.
+pub(in crate::statics) fn find(
+    energy: &mut Energy,
+    robot: &Robot,
+    chain: &Chain,
+    settings: &Settings,
+    warm: bool,
+) -> Result<Found, Error> {
+    let mut search = Search { energy, robot, chain, settings, iterations: 0 };
+    search.run(warm)
+}
+
+struct Search<'a> {
+    energy: &'a mut Energy,
+    robot: &'a Robot,
+    chain: &'a Chain,
+    settings: &'a Settings,
+    iterations: usize,
+}
+
+impl Search<'_> {
+    fn run(&mut self, warm: bool) -> Result<Found, Error> {
+        let tolerance = self.settings.tolerance;
+        let warm = warm && self.energy.layouts.len() == self.chain.spans.len();
+        let mut unstable_from = None;
+        let mut arrived = false;
+        if warm {
+            let before = self.energy.coarse.clone();
+            let tensions = self.energy.memory.drive.tensions.clone();
+            self.lay();
+            self.energy.coarse.copy_shape(&before);
+            if tensions.len() == self.energy.memory.drive.tensions.len() {
+                self.energy.memory.drive.tensions = tensions;
+            }
+            arrived = self.newton(1.0, ON_THE_WAY.min(tolerance)).is_ok();
+        }
+        if !arrived {
+            self.first_layout();
+            self.lay();
+            unstable_from = self.follow_load()?;
+        }
+        self.newton(1.0, 0.1 * tolerance).map_err(|stuck| self.not_converged(1.0, &stuck))?;
+        let mut last_difference: Option<f64> = None;
+        let mut reduction = UNSEEN_REDUCTION;
+        loop {
+            let added = self.refine();
+            let end = self.newton(1.0, 0.1 * tolerance).map_err(|stuck| self.not_converged(1.0, &stuck))?;
+            let difference = self.difference();
+            if let Some(last) = last_difference.filter(|_| added) {
+                reduction = (last / difference).clamp(2.0, LARGEST_REDUCTION);
+            }
+            last_difference = added.then_some(difference);
+            let nodes = self.energy.coarse.data.len();
+            let rounding = (end.residual.min(1e-3 * tolerance) + f64::EPSILON * nodes as f64) * self.chain.length;
+            let error_estimate = SAFETY * difference / (reduction - 1.0) + rounding;
+            if error_estimate <= tolerance * self.chain.length {
+                return self.judge(end, error_estimate, unstable_from);
+            }
+            if nodes > MOST_NODES || !error_estimate.is_finite() {
+                let asked = tolerance * self.chain.length;
+                return Err(Error::new(format!(
+                    "the shape is known to {error_estimate:.1e} m only, on {nodes} nodes, not to {asked:.1e} m"
+                ))
+                .hint("ask for a larger tolerance"));
+            }
+        }
+    }
+
+    /// Panels for the first mesh.
+    fn first_layout(&mut self) {
+        self.energy.layouts.clear();
+        for span in &self.chain.spans {
+            let turn = span.largest_angle(self.robot) * (span.to - span.from);
+            let parts = (turn / FIRST_TURN - 1e-9).ceil().clamp(1.0, 1e4) as usize;
+            let points = if turn < 0.1 * FIRST_TURN { FIRST_POINTS - 1 } else { FIRST_POINTS };
+            self.energy.layouts.push(Layout { parts, points });
+        }
+    }
+
+    /// The coarse mesh at rest, and the tendons with it.
+    fn lay(&mut self) {
+        let Energy { tables, layouts, coarse, memory, .. } = &mut *self.energy;
+        coarse.rebuild(self.robot, self.chain, layouts, tables);
+        memory.sweep.place(coarse, tables);
+        memory.drive.rest(self.robot);
+        tendons::measure(coarse, &memory.sweep, &mut memory.drive.home, self.robot.tendons.len());
+    }
+
+    /// Newton's method on the coarse mesh.
+    fn newton(&mut self, factor: f64, target: f64) -> Result<Converged, Stuck> {
+        let Energy { tables, coarse, memory, .. } = &mut *self.energy;
+        let equations = Equations { robot: self.robot, chain: self.chain, tables, factor };
+        equations.newton(memory, coarse, target, &mut self.iterations)
+    }
+
+    /// Follows the primary branch as the loads grow from 0 to 1. Returns the part at which it first turned unstable.
+    fn follow_load(&mut self) -> Result<Option<f64>, Error> {
+        let largest_step = self.settings.largest_load_step;
+        let (mut reached, mut step) = (0.0_f64, largest_step);
+        let mut unstable_from = None;
+        self.energy.reached.clone_from(&self.energy.coarse);
+        let mut tensions = self.energy.memory.drive.tensions.clone();
+        let mut work = 0;
+        while reached < 1.0 {
+            let factor = (reached + step).min(1.0);
+            let part = (factor - reached) / factor;
+            let outcome = self.newton(factor, ON_THE_WAY);
+            work += self.energy.coarse.data.len();
+            let strayed = outcome.is_ok() && self.turned() > LARGEST_LOAD_TURN;
+            let unstable = matches!(outcome, Ok(end) if end.negative > 0) && unstable_from.is_none();
+            if outcome.is_ok() && !strayed && (!unstable || part < UNSTABLE_BELOW) {
+                reached = factor;
+                unstable_from = unstable_from.or(unstable.then_some(factor));
+                step = (2.0 * step).min(largest_step);
+                if self.energy.coarse.largest_turn(&self.energy.tables) > LARGEST_TURN {
+                    self.bisect();
+                }
+                self.energy.reached.clone_from(&self.energy.coarse);
+                tensions.clone_from(&self.energy.memory.drive.tensions);
+            } else {
+                self.energy.coarse.clone_from(&self.energy.reached);
+                self.energy.memory.drive.tensions.clone_from(&tensions);
+                step *= 0.5;
+                if step < SMALLEST_LOAD_STEP * factor.max(SMALLEST_LOAD) || work > MOST_WORK {
+                    return Err(self.not_converged(reached, &outcome.err().unwrap_or_default()));
+                }
+            }
+        }
+        Ok(unstable_from)
+    }
+
+    /// Largest angle between a cut and what it was at the last load step.
+    fn turned(&self) -> f64 {
+        let pairs = self.energy.coarse.rotations.iter().zip(&self.energy.reached.rotations);
+        pairs.map(|(a, b)| ((a.dot(b) - 1.0) / 2.0).clamp(-1.0, 1.0).acos()).fold(0.0, larger)
+    }
+
+    /// Cuts every panel that turns much in two.
+    fn bisect(&mut self) {
+        let Energy { tables, layouts, coarse, .. } = &mut *self.energy;
+        for panel in &coarse.panels {
+            let turn = coarse.end_turn(panel, tables.of(panel.nodes.len())).norm();
+            if turn > 0.5 * LARGEST_TURN && panel.ends_span {
+                layouts[panel.span].parts *= 2;
+            }
+        }
+        self.relay();
+    }
+
+    /// Lays the coarse mesh anew and keeps the shape.
+    fn relay(&mut self) {
+        let tensions = self.energy.memory.drive.tensions.clone();
+        let taut = self.energy.memory.drive.taut.clone();
+        std::mem::swap(&mut self.energy.coarse, &mut self.energy.fine);
+        self.lay();
+        self.energy.coarse.prolong(&self.energy.fine, &self.energy.tables);
+        self.energy.memory.drive.tensions = tensions;
+        self.energy.memory.drive.taut = taut;
+    }
+
+    /// One more point in every panel, or shorter panels; the mesh of before is in `fine`. Returns whether points were added.
+    fn refine(&mut self) -> bool {
+        let add = self.energy.layouts.iter().all(|layout| layout.points < MOST);
+        for layout in &mut self.energy.layouts {
+            if add {
+                layout.points += 1;
+            } else {
+                *layout = Layout { parts: 2 * layout.parts, points: MOST - 3 };
+            }
+        }
+        self.relay();
+        add
+    }
+
+    /// Largest distance between the shapes of the coarse mesh and the one before it.
+    fn difference(&self) -> f64 {
+        let Energy { tables, coarse, fine, .. } = &*self.energy;
+        let mut largest = 0.0;
+        for (k, panel) in coarse.panels.iter().enumerate() {
+            for t in [0.25, 0.5, 0.75] {
+                let s = panel.from + t * panel.length;
+                let apart = coarse.at(tables, s).position - fine.at(tables, s).position;
+                largest = larger(largest, apart.norm());
+            }
+            let end = fine.at(tables, panel.from + panel.length).position;
+            largest = larger(largest, (coarse.positions[k + 1] - end).norm());
+        }
+        largest
+    }
+
+    fn judge(&mut self, end: Converged, error_estimate: f64, unstable_from: Option<f64>) -> Result<Found, Error> {
+        let negative = end.negative;
+        let smallest_eigenvalue = self.settings.eigenvalue.then(|| self.smallest_eigenvalue());
+        Ok(Found {
+            residual: end.residual,
+            error_estimate,
+            negative,
+            smallest_eigenvalue,
+            unstable_from: unstable_from.or((negative > 0).then_some(1.0)),
+            iterations: self.iterations,
+        })
+    }
+
+    /// Of the Hessian scaled by the elastic stiffness, by bisection on the inertia.
+    fn smallest_eigenvalue(&mut self) -> f64 {
+        const NEARLY_ONE: f64 = 0.999;
+        const ACCURACY: f64 = 1e-7;
+        const LOWEST: f64 = -1e6;
+        let mut below = |mu: f64| self.falls_with(-mu);
+        if !below(NEARLY_ONE) {
+            return 1.0;
+        }
+        let (mut low, mut high) = if below(0.0) { (-1.0, 0.0) } else { (0.0, NEARLY_ONE) };
+        while below(low) {
+            (low, high) = (2.0 * low, low);
+            if low < LOWEST {
+                return low;
+            }
+        }
+        while high - low > ACCURACY * (1.0 - low) {
+            let middle = 0.5 * (low + high);
+            if below(middle) { high = middle } else { low = middle }
+        }
+        0.5 * (low + high)
+    }
+
+    /// Whether the energy with a stiffer elastic part falls in some direction.
+    fn falls_with(&mut self, shift: f64) -> bool {
+        let Energy { tables, coarse, memory, .. } = &mut *self.energy;
+        let equations = Equations { robot: self.robot, chain: self.chain, tables, factor: 1.0 };
+        let taut = memory.drive.taut.clone();
+        let negative = equations.linearise(memory, coarse, shift).negative;
+        memory.drive.taut = taut;
+        negative != Some(0)
+    }
+
+    fn not_converged(&self, reached: f64, stuck: &Stuck) -> Error {
+        Error::new(format!(
+            "no equilibrium found beyond {:.3} % of the loads: {} Newton iterations, last correction {:.1e}",
+            100.0 * reached,
+            self.iterations,
+            stuck.correction
+        ))
+        .hint("the robot probably snaps or buckles there: lower the loads, or stiffen or shorten the robot")
+    }
+}
+
+impl Energy {
+    /// The tendons at the solution.
+    pub(in crate::statics) fn tendon_states(&self, robot: &Robot) -> Vec<TendonState> {
+        let drive = &self.memory.drive;
+        let state = |(i, tendon): (usize, &crate::model::Tendon)| TendonState {
+            name: tendon.name.clone(),
+            tension: drive.tensions[i],
+            tip_tension: drive.tensions[i],
+            displacement: drive.home[i] - drive.lengths[i] + drive.compliance(robot, i) * drive.tensions[i],
+            length: drive.lengths[i],
+            slack: drive.held.iter().zip(&drive.taut).any(|(held, taut)| *held == i && !taut),
+        };
+        robot.tendons.iter().enumerate().map(state).collect()
+    }
+
+    /// The state at `s`, on the base side of a jump.
+    pub(in crate::statics) fn station(&self, robot: &Robot, chain: &Chain, s: f64) -> Station {
+        let sample = self.coarse.at(&self.tables, s);
+        let span = &chain.spans[self.coarse.panels[sample.panel].span];
+        let section = &robot.sections[span.section];
+        let (shear, bend) = section.stiffness(span.fraction(robot, s));
+        let force = shear.component_mul(&(sample.v - nalgebra::Vector3::z()));
+        let moment = bend.component_mul(&(sample.u - section.rest_curvature));
+        Station {
+            s,
+            position: sample.position,
+            rotation: sample.rotation,
+            v: sample.v,
+            u: sample.u,
+            force: sample.rotation * force,
+            moment: sample.rotation * moment,
+        }
+    }
+
+    /// Pose of the tip.
+    pub(in crate::statics) fn tip(&self) -> (nalgebra::Vector3<f64>, nalgebra::Matrix3<f64>) {
+        let last = self.coarse.panels.len();
+        (self.coarse.positions[last], self.coarse.rotations[last])
+    }
+}

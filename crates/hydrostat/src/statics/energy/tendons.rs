@@ -1,0 +1,110 @@
+//! Lengths of the tendons on a placed shape, and how they change with it.
+
+use super::mesh::Mesh;
+use super::node;
+use super::sweep::{Column, Sweep};
+use crate::Robot;
+use crate::model::Command;
+use nalgebra::Vector3;
+
+/// How the tendons are driven.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Drive {
+    /// At the base, per tendon.
+    pub(super) tensions: Vec<f64>,
+    /// Of the paths on the placed shape, and on the unloaded one.
+    pub(super) lengths: Vec<f64>,
+    pub(super) home: Vec<f64>,
+    /// Tendons held by displacement, and whether each is taut.
+    pub(super) held: Vec<usize>,
+    pub(super) taut: Vec<bool>,
+}
+
+impl Drive {
+    /// At rest: no tension.
+    pub(super) fn rest(&mut self, robot: &Robot) {
+        self.tensions.clear();
+        self.tensions.resize(robot.tendons.len(), 0.0);
+        self.held.clear();
+        for (tendon, command) in robot.actuation.iter().enumerate() {
+            if matches!(command, Command::Displacement { .. }) {
+                self.held.push(tendon);
+            }
+        }
+        self.taut.clear();
+        self.taut.resize(self.held.len(), true);
+    }
+
+    /// Sets the given tensions to a part of the command.
+    pub(super) fn apply(&mut self, robot: &Robot, factor: f64) {
+        for (tension, command) in self.tensions.iter_mut().zip(&robot.actuation) {
+            if let Command::Tension { tension: whole, .. } = command {
+                *tension = factor * whole;
+            }
+        }
+    }
+
+    /// Stretch per tension of a tendon, m/N.
+    pub(super) fn compliance(&self, robot: &Robot, tendon: usize) -> f64 {
+        robot.tendons[tendon].stiffness.map_or(0.0, |stiffness| self.home[tendon] / stiffness)
+    }
+
+    /// How much longer a held tendon is than its command and stretch allow.
+    pub(super) fn excess(&self, robot: &Robot, tendon: usize, factor: f64) -> f64 {
+        let pulled = match robot.actuation[tendon] {
+            Command::Displacement { displacement, .. } => factor * displacement,
+            Command::Tension { .. } => 0.0,
+        };
+        self.lengths[tendon] - self.home[tendon] + pulled
+            - self.compliance(robot, tendon) * self.tensions[tendon]
+    }
+}
+
+/// Lengths of the paths on the placed shape.
+pub(super) fn measure(mesh: &Mesh, sweep: &Sweep, lengths: &mut Vec<f64>, count: usize) {
+    lengths.clear();
+    lengths.resize(count, 0.0);
+    for (data, shape) in mesh.data.iter().zip(&sweep.shapes) {
+        for passing in &mesh.passing[data.passing.clone()] {
+            lengths[passing.tendon] += data.weight * node::tangent(shape, passing).0;
+        }
+    }
+    for gap in &mesh.gaps {
+        for chord in &mesh.chords[gap.chords.clone()] {
+            lengths[chord.tendon] += mesh.chord(gap, &chord.holes).norm();
+        }
+    }
+}
+
+/// d(length of one tendon) as a linear form; `shares` weights it by the share of the tension, which is its pull.
+pub(super) fn length_form(mesh: &Mesh, sweep: &Sweep, tendon: usize, shares: bool, column: &mut Column) {
+    column.clear(mesh);
+    let scale = |share: f64| if shares { share } else { 1.0 };
+    for (node, (data, shape)) in mesh.data.iter().zip(&sweep.shapes).enumerate() {
+        for passing in mesh.passing[data.passing.clone()].iter().filter(|passing| passing.tendon == tendon) {
+            let t = node::tangent(shape, passing).1 * (data.weight * scale(passing.share));
+            let moment = passing.hole.cross(&t);
+            let form = &mut column.nodes[node];
+            form.v += t;
+            form.turn += shape.turn.jacobian_differential(&shape.rate).tr_mul(&moment);
+            form.rate += shape.turn.jacobian().tr_mul(&moment);
+        }
+    }
+    for (number, gap) in mesh.gaps.iter().enumerate() {
+        for chord in mesh.chords[gap.chords.clone()].iter().filter(|chord| chord.tendon == tendon) {
+            let t: Vector3<f64> = mesh.chord(gap, &chord.holes).normalize() * scale(chord.share);
+            let [first, second] = [gap.panels.start, gap.panels.end].map(|k| mesh.rotations[k].tr_mul(&t));
+            column.gaps[number][0] += t;
+            column.gaps[number][1] -= chord.holes[0].cross(&first);
+            column.cuts[gap.panels.end] += chord.holes[1].cross(&second);
+        }
+    }
+}
+
+impl Mesh {
+    /// From hole to hole across a gap, world frame.
+    fn chord(&self, gap: &super::mesh::Gap, holes: &[Vector3<f64>; 2]) -> Vector3<f64> {
+        let (a, b) = (gap.panels.start, gap.panels.end);
+        self.positions[b] - self.positions[a] + self.rotations[b] * holes[1] - self.rotations[a] * holes[0]
+    }
+}
