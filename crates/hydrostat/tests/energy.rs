@@ -9,8 +9,14 @@ fn robot(text: &str) -> Robot {
 }
 fn tendon(robot: &mut Robot, radius: f64, angle: f64, turns: f64, routing: Routing, tension: f64) {
     robot.tendons.push(Tendon {
-        name: format!("t{}", robot.tendons.len()), ends: robot.sections.len() - 1,
-        path: Path { radius, tip_radius: radius, angle, turns }, routing, stiffness: None, friction: 0.0, breaking_load: None, mass_per_length: 0.0,
+        name: format!("t{}", robot.tendons.len()),
+        ends: robot.sections.len() - 1,
+        path: Path { radius, tip_radius: radius, angle, turns },
+        routing,
+        stiffness: None,
+        friction: 0.0,
+        breaking_load: None,
+        mass_per_length: 0.0,
     });
     robot.actuation.push(Command::Tension { tension, motion: Motion::Pulled });
 }
@@ -29,30 +35,123 @@ profile = { diameter = "1.56 mm" }
 #[test]
 fn rods_agree_with_shooting() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/reference_cases");
-    let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).filter(|p| p.extension().unwrap() == "toml" && p.file_name().unwrap().to_str().unwrap().starts_with('r')).collect();
+    let mut files: Vec<_> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|e| e.unwrap().path())
+        .filter(|p| {
+            p.extension().unwrap() == "toml" && p.file_name().unwrap().to_str().unwrap().starts_with('r')
+        })
+        .collect();
     files.sort();
     files.push(concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/gray2009_rod.toml").into());
     for file in files {
         let r = robot(&std::fs::read_to_string(&file).unwrap());
         let a = statics::solve(&r, &Settings { method: Method::Shooting, ..Settings::default() }).unwrap();
         let start = std::time::Instant::now();
-        match statics::solve(&r, &Settings { method: Method::Energy, eigenvalue: true, ..Settings::default() }) {
-        Ok(b) => { eprintln!("{} tip {:.1e} it {} res {:.1e} est {:.1e} eig {:?} {:?} {:?} {:?}", file.file_name().unwrap().to_str().unwrap(), (a.tip.position - b.tip.position).norm(), b.report.iterations, b.report.residual, b.report.error_estimate, b.report.smallest_eigenvalue, a.report.smallest_eigenvalue, b.report.stable, start.elapsed());
-        let worst = a.stations.iter().zip(&b.stations).map(|(a, b)| (a.position - b.position).norm()).fold(0.0, f64::max);
-        let wm = a.stations.iter().zip(&b.stations).map(|(a, b)| (a.moment - b.moment).norm()/a.moment.norm().max(1e-3)).fold(0.0, f64::max);
-        eprintln!("  stations {worst:.1e} moment {wm:.1e}"); }
-        Err(e) => eprintln!("{} {e}", file.display()) }
+        match statics::solve(
+            &r,
+            &Settings { method: Method::Energy, eigenvalue: true, ..Settings::default() },
+        ) {
+            Ok(b) => {
+                eprintln!(
+                    "{} tip {:.1e} it {} res {:.1e} est {:.1e} eig {:?} {:?} {:?} {:?}",
+                    file.file_name().unwrap().to_str().unwrap(),
+                    (a.tip.position - b.tip.position).norm(),
+                    b.report.iterations,
+                    b.report.residual,
+                    b.report.error_estimate,
+                    b.report.smallest_eigenvalue,
+                    a.report.smallest_eigenvalue,
+                    b.report.stable,
+                    start.elapsed()
+                );
+                let worst = a
+                    .stations
+                    .iter()
+                    .zip(&b.stations)
+                    .map(|(a, b)| (a.position - b.position).norm())
+                    .fold(0.0, f64::max);
+                let wm = a
+                    .stations
+                    .iter()
+                    .zip(&b.stations)
+                    .map(|(a, b)| (a.moment - b.moment).norm() / a.moment.norm().max(1e-3))
+                    .fold(0.0, f64::max);
+                eprintln!("  stations {worst:.1e} moment {wm:.1e}");
+            }
+            Err(e) => eprintln!("{} {e}", file.display()),
+        }
     }
 }
 #[test]
 fn straight_tendon() {
     for routing in [Routing::Channel, Routing::Guides] {
-    let mut r = robot(NITI);
-    tendon(&mut r, 8e-3, 0.0, 0.0, routing, 5.0);
-    if routing == Routing::Guides { r.sections[0].guides = Some(hydrostat::model::Guides { positions: (1..=40).map(|i| f64::from(i) * 0.01).collect(), mass: 0.0, mass_center: [0.0;2], radius: None }); }
-    match statics::solve(&r, &Settings { method: Method::Energy, ..Settings::default() }) {
-        Ok(b) => eprintln!("{:?} {:?} {:?} {:?}", b.tip.position, b.stations[50].u, b.report, b.tendons),
-        Err(e) => eprintln!("{e}"),
+        let mut r = robot(NITI);
+        tendon(&mut r, 8e-3, 0.0, 0.0, routing, 5.0);
+        if routing == Routing::Guides {
+            r.sections[0].guides = Some(hydrostat::model::Guides {
+                positions: (1..=40).map(|i| f64::from(i) * 0.01).collect(),
+                mass: 0.0,
+                mass_center: [0.0; 2],
+                radius: None,
+            });
+        }
+        match statics::solve(&r, &Settings { method: Method::Energy, ..Settings::default() }) {
+            Ok(b) => eprintln!("{:?} {:?} {:?} {:?}", b.tip.position, b.stations[50].u, b.report, b.tendons),
+            Err(e) => eprintln!("{e}"),
+        }
     }
+}
+#[test]
+fn displacement() {
+    for routing in [Routing::Channel, Routing::Guides] {
+        let mut r = robot(NITI);
+        r.gravity.y = -9.81;
+        for i in 0..3 {
+            tendon(
+                &mut r,
+                8e-3,
+                0.3 + f64::from(i) * 2.0943951,
+                if i == 1 { 0.3 } else { 0.0 },
+                routing,
+                [3.0, 0.0, 0.5][i as usize],
+            );
+        }
+        if routing == Routing::Guides {
+            r.sections[0].guides = Some(hydrostat::model::Guides {
+                positions: (1..=40).map(|i| f64::from(i) * 0.01).collect(),
+                mass: 0.0,
+                mass_center: [0.0; 2],
+                radius: None,
+            });
+        }
+        let start = std::time::Instant::now();
+        let a = statics::solve(
+            &r,
+            &Settings { method: Method::Energy, eigenvalue: false, ..Settings::default() },
+        );
+        eprintln!("{:?}", start.elapsed());
+        let Ok(a) = a else {
+            eprintln!("{}", a.unwrap_err());
+            continue;
+        };
+        eprintln!("{:?} {:?}", a.report, a.tendons);
+        for i in 0..3 {
+            if i != 1 || routing == Routing::Guides {
+                r.actuation[i] =
+                    Command::Displacement { displacement: a.tendons[i].displacement, motion: Motion::Pulled };
+            }
+        }
+        let start = std::time::Instant::now();
+        match statics::solve(&r, &Settings { method: Method::Energy, ..Settings::default() }) {
+            Ok(b) => eprintln!(
+                "{:?} {:?} {:?} {:.1e}\n",
+                start.elapsed(),
+                b.report,
+                b.tendons,
+                (a.tip.position - b.tip.position).norm()
+            ),
+            Err(e) => eprintln!("{e}"),
+        }
     }
 }

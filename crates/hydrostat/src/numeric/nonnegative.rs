@@ -16,7 +16,9 @@ pub fn minimise(s: &DMatrix<f64>, b: &DVector<f64>) -> Option<DVector<f64>> {
     for _ in 0..10 * (n + 1) {
         // the unknown that gains most by growing
         let slope = b - s * &x;
-        let candidate = (0..n).filter(|&i| !free[i] && slope[i] > threshold).max_by(|&i, &j| slope[i].total_cmp(&slope[j]));
+        let candidate = (0..n)
+            .filter(|&i| !free[i] && slope[i] > threshold)
+            .max_by(|&i, &j| slope[i].total_cmp(&slope[j]));
         let Some(candidate) = candidate else { return Some(x) };
         free[candidate] = true;
         loop {

@@ -36,6 +36,8 @@ pub(super) struct Span {
     /// Following force and moment per length, body frame.
     following_force: Vector3<f64>,
     following_moment: Vector3<f64>,
+    /// Whether tendons that pass have a weight.
+    heavy_tendons: bool,
     /// Point loads at the span's end that jump in the unknown wrench.
     pub(super) jump: Jump,
 }
@@ -53,6 +55,8 @@ struct Uniform {
 pub(super) struct Jump {
     /// Dead moment, world frame.
     pub(super) moment: Vector3<f64>,
+    /// First moment of the masses off the axis, sum m r_c, body frame.
+    pub(super) hung: Vector3<f64>,
     /// Following force and moment, body frame.
     pub(super) following_force: Vector3<f64>,
     pub(super) following_moment: Vector3<f64>,
@@ -126,6 +130,10 @@ impl Chain {
                 moment_per_length: Vector3::zeros(),
                 following_force: Vector3::zeros(),
                 following_moment: Vector3::zeros(),
+                heavy_tendons: robot
+                    .tendons
+                    .iter()
+                    .any(|tendon| tendon.mass_per_length > 0.0 && middle < robot.tendon_end(tendon)),
                 jump: Jump::default(),
             });
         }
@@ -242,7 +250,9 @@ impl Chain {
             if let Some(guides) = section.guides.as_ref().filter(|guides| guides.mass != 0.0) {
                 for position in &guides.positions {
                     if let Some(end) = span_ending_at(spans, section_start + position) {
+                        let [x, y] = guides.mass_center;
                         spans[end].force_beyond += guides.mass * robot.gravity;
+                        spans[end].jump.hung += guides.mass * Vector3::new(x, y, 0.0);
                     }
                 }
             }
@@ -302,6 +312,40 @@ impl Span {
     /// Dead force beyond `s`, world frame, theory (10): what is hung farther out, and the weight.
     pub(super) fn dead_force(&self, robot: &Robot, s: f64) -> Vector3<f64> {
         let length = self.to - s;
+        let beyond = self.rod_force(robot, s, length);
+        if !self.heavy_tendons {
+            return beyond;
+        }
+        let tendons: f64 = GAUSS
+            .iter()
+            .map(|(point, weight)| weight * length * self.tendon_mass(robot, s + point * length).0)
+            .sum();
+        beyond + tendons * robot.gravity
+    }
+
+    /// First moment of the tendons' mass per length at `s`, body frame.
+    pub(super) fn mass_moment(&self, robot: &Robot, s: f64) -> Vector3<f64> {
+        if self.heavy_tendons { self.tendon_mass(robot, s).1 } else { Vector3::zeros() }
+    }
+
+    /// Mass of the tendons per length of backbone, and its first moment: along their paths at rest.
+    fn tendon_mass(&self, robot: &Robot, s: f64) -> (f64, Vector3<f64>) {
+        let (mut mass, mut moment) = (0.0, Vector3::zeros());
+        for tendon in &robot.tendons {
+            let end = robot.tendon_end(tendon);
+            if tendon.mass_per_length > 0.0 && 0.5 * (self.from + self.to) < end {
+                let (hole, along) = tendon.path.hole(s / end, end);
+                let rest_curvature = &robot.sections[self.section].rest_curvature;
+                let path = Vector3::z() + rest_curvature.cross(&hole) + along;
+                mass += tendon.mass_per_length * path.norm();
+                moment += tendon.mass_per_length * path.norm() * hole;
+            }
+        }
+        (mass, moment)
+    }
+
+    /// Dead force beyond `s` without the tendons' weight in this span.
+    fn rod_force(&self, robot: &Robot, s: f64, length: f64) -> Vector3<f64> {
         if let Some(uniform) = &self.uniform {
             return self.force_beyond + length * (self.force_per_length + uniform.weight);
         }
@@ -318,5 +362,12 @@ impl Span {
     }
 }
 
+/// Gauss-Legendre points and weights on [0, 1], exact to degree 7: paths of tendons are smooth.
+const GAUSS: [(f64, f64); 4] = [
+    (0.06943184420297371, 0.17392742256872692),
+    (0.33000947820757187, 0.32607257743127307),
+    (0.6699905217924281, 0.32607257743127307),
+    (0.9305681557970263, 0.17392742256872692),
+];
 /// Breakpoints closer than this fraction of the length are one.
 const SAME_PLACE: f64 = 1e-12;

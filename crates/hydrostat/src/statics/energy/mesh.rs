@@ -1,8 +1,8 @@
 //! Panels of the backbone with their Gauss nodes: what does not depend on the shape, and the shape itself.
 
 use super::super::chain::Chain;
-use crate::model::{Robot, Routing};
 use crate::geometry::RotationVector;
+use crate::model::{Robot, Routing};
 use crate::numeric::collocation::{Collocation, FEWEST, MOST};
 use crate::numeric::larger;
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -157,7 +157,7 @@ impl Mesh {
             rest_curvature: section.rest_curvature,
             force: of.dead_force(robot, s),
             moment_per_length: of.moment_per_length,
-            mass_moment: Vector3::zeros(),
+            mass_moment: of.mass_moment(robot, s),
             passing: first..self.passing.len(),
         });
     }

@@ -10,6 +10,8 @@ mod node;
 mod search;
 mod sweep;
 mod tendons;
+#[cfg(test)]
+mod tests;
 
 pub(super) use search::{Found, find};
 
@@ -24,7 +26,7 @@ pub(super) struct Energy {
     tables: Tables,
     layouts: Vec<Layout>,
     coarse: Mesh,
-    pub(super) fine: Mesh,
+    fine: Mesh,
     /// The coarse mesh's shape at the last load step, to go back to.
     reached: Mesh,
     memory: Memory,

@@ -178,7 +178,8 @@ impl Equations<'_> {
             let contraction = now.correction / last;
             let rounding = now.correction <= ROUNDING_CORRECTION && contraction > CONTRACTION;
             let first = last == f64::INFINITY && now.correction.is_finite();
-            let Some(negative) = now.negative.filter(|_| first || rounding || contraction <= CONTRACTION) else {
+            let Some(negative) = now.negative.filter(|_| first || rounding || contraction <= CONTRACTION)
+            else {
                 return Err(Stuck { correction: now.correction });
             };
             if now.correction <= target && now.residual <= target.max(ROUNDING_RESIDUAL) || rounding {

@@ -96,7 +96,8 @@ impl Search<'_> {
             }
             last_difference = added.then_some(difference);
             let nodes = self.energy.coarse.data.len();
-            let rounding = (end.residual.min(1e-3 * tolerance) + f64::EPSILON * nodes as f64) * self.chain.length;
+            let rounding =
+                (end.residual.min(1e-3 * tolerance) + f64::EPSILON * nodes as f64) * self.chain.length;
             let error_estimate = SAFETY * difference / (reduction - 1.0) + rounding;
             if error_estimate <= tolerance * self.chain.length {
                 return self.judge(end, error_estimate, unstable_from);
@@ -233,7 +234,12 @@ impl Search<'_> {
         largest
     }
 
-    fn judge(&mut self, end: Converged, error_estimate: f64, unstable_from: Option<f64>) -> Result<Found, Error> {
+    fn judge(
+        &mut self,
+        end: Converged,
+        error_estimate: f64,
+        unstable_from: Option<f64>,
+    ) -> Result<Found, Error> {
         let negative = end.negative;
         let smallest_eigenvalue = self.settings.eigenvalue.then(|| self.smallest_eigenvalue());
         Ok(Found {

@@ -181,8 +181,32 @@ impl Sweep {
         }
     }
 
+    /// The energy of the placed shape, theory (30): elastic, tensions times lengths, work of the dead forces.
+    pub(super) fn energy(&self, problem: &Problem, mesh: &Mesh, lengths: &[f64]) -> f64 {
+        let mut energy = 0.0;
+        for (data, shape) in mesh.data.iter().zip(&self.shapes) {
+            let (stretch, bending) = (shape.v - Vector3::z(), shape.u - data.rest_curvature);
+            let elastic = 0.5 * stretch.dot(&data.shear.component_mul(&stretch))
+                + 0.5 * bending.dot(&data.bend.component_mul(&bending));
+            let lowered = data.force.dot(&(shape.rotation * shape.v))
+                + problem.gravity.dot(&(shape.rotation * data.mass_moment));
+            energy += data.weight * (elastic - problem.factor * lowered);
+        }
+        for (k, panel) in mesh.panels.iter().enumerate().filter(|(_, panel)| panel.ends_span) {
+            let hung = problem.chain.spans[panel.span].jump.hung;
+            energy -= problem.factor * problem.gravity.dot(&(mesh.rotations[k + 1] * hung));
+        }
+        energy + problem.tensions.iter().zip(lengths).map(|(tension, length)| tension * length).sum::<f64>()
+    }
+
     /// Linearises at the placed shape and eliminates, with `shift` times the elastic part added to the Hessian; the gradient goes to `gradient`.
-    pub(super) fn factor(&mut self, problem: &Problem, mesh: &Mesh, shift: f64, gradient: &mut Column) -> Factored {
+    pub(super) fn factor(
+        &mut self,
+        problem: &Problem,
+        mesh: &Mesh,
+        shift: f64,
+        gradient: &mut Column,
+    ) -> Factored {
         gradient.clear(mesh);
         self.reset(mesh);
         let mut negative = Some(0);
@@ -206,7 +230,8 @@ impl Sweep {
                 // the energy's slope in d is what the chords carry, and closes by itself
                 gradient.gaps[number][1] = of.first_plate;
             }
-            let eliminated = self.eliminate_panel(problem, mesh, k, shift, &mut carried, &mut slope, gradient);
+            let eliminated =
+                self.eliminate_panel(problem, mesh, k, shift, &mut carried, &mut slope, gradient);
             residual = larger(residual, eliminated.1);
             negative = sum(negative, eliminated.0);
             if let Some((number, _)) = gap.filter(|(_, gap)| gap.panels.start == k) {
@@ -528,8 +553,11 @@ impl Sweep {
             for (local, node) in panel.nodes.clone().enumerate() {
                 step.turn[node] = Vector3::from_column_slice(&rows[3 * local..3 * local + 3]);
             }
-            let force =
-                if panel.gap.is_some() { Vector3::from_column_slice(&gap_values[3..6]) } else { Vector3::zeros() };
+            let force = if panel.gap.is_some() {
+                Vector3::from_column_slice(&gap_values[3..6])
+            } else {
+                Vector3::zeros()
+            };
             for (local, node) in panel.nodes.clone().enumerate() {
                 let turn = step.turn[node];
                 let rate = rate_of(panel, table, local, &step.turn[panel.nodes.clone()]);
@@ -561,9 +589,9 @@ impl Sweep {
         for k in panels {
             for node in mesh.panels[k].nodes.clone() {
                 let shape = &self.shapes[node];
-                let turned = shape.since_start.tr_mul(&step.cuts[k]) + shape.turn.jacobian() * step.turn[node];
-                change +=
-                    mesh.data[node].weight * (shape.rotation * (step.v[node] + turned.cross(&shape.v)));
+                let turned =
+                    shape.since_start.tr_mul(&step.cuts[k]) + shape.turn.jacobian() * step.turn[node];
+                change += mesh.data[node].weight * (shape.rotation * (step.v[node] + turned.cross(&shape.v)));
             }
         }
         change
@@ -573,8 +601,10 @@ impl Sweep {
 /// Gradient and Hessian of the point loads at the end of panel `k` with respect to the rotation there.
 fn point_loads(problem: &Problem, mesh: &Mesh, k: usize) -> (Vector3<f64>, Matrix3<f64>) {
     let jump = &problem.chain.spans[mesh.panels[k].span].jump;
-    let moment = mesh.rotations[k + 1].tr_mul(&(problem.factor * jump.moment));
-    (-moment, -0.5 * hat(&moment))
+    let to_body = problem.factor * mesh.rotations[k + 1].transpose();
+    let (moment, weight) = (to_body * jump.moment, to_body * problem.gravity);
+    let slope = -moment - jump.hung.cross(&weight);
+    (slope, -0.5 * hat(&moment) - symmetric(&(hat(&weight) * hat(&jump.hung))))
 }
 
 /// Models are stored as they were made, from the tip's panel on.

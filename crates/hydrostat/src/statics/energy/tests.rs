@@ -1,0 +1,116 @@
+//! Gradient and Hessian against differences of the energy.
+
+use super::mesh::{Layout, Mesh, Tables};
+use super::sweep::{Column, Problem, Step, Sweep};
+use super::tendons;
+use crate::Robot;
+use crate::model::{Command, Frame, Guides, Load, LoadKind, Motion, Path, Routing, Tendon};
+use crate::statics::chain::Chain;
+use crate::statics::rod::tests::tapered_rod;
+use nalgebra::Vector3;
+
+/// Step of the differences, and what they leave of the first and of the second derivative, relative.
+const DIFFERENCE: f64 = 1e-4;
+const LEFT_OF_FIRST: f64 = 1e-7;
+const LEFT_OF_SECOND: f64 = 1e-5;
+
+/// A tapered rod of stiffness near 1 with helical tendons in channels and straight ones between guides, which all weigh.
+fn robot(guided: bool) -> Robot {
+    let mut robot = tapered_rod(false);
+    robot.loads.retain(|load| matches!(load.kind, LoadKind::Distributed { frame: Frame::World, .. }));
+    for load in &mut robot.loads {
+        if let LoadKind::Distributed { moment_per_length, .. } = &mut load.kind {
+            *moment_per_length = Vector3::zeros();
+        }
+    }
+    let hung = LoadKind::Point {
+        at: 0.37,
+        force: Vector3::new(0.3, -0.2, 0.4),
+        moment: Vector3::zeros(),
+        frame: Frame::World,
+    };
+    robot.loads.push(Load { name: None, kind: hung });
+    let mass_center = [0.02, -0.01];
+    robot.sections[0].guides =
+        Some(Guides { positions: vec![0.25, 0.5, 0.8], mass: 0.1, mass_center, radius: None });
+    for (number, routing) in [Routing::Channel, Routing::Channel, Routing::Guides].into_iter().enumerate() {
+        if routing == Routing::Guides && !guided {
+            continue;
+        }
+        let angle = 2.0 * number as f64;
+        robot.tendons.push(Tendon {
+            name: number.to_string(),
+            ends: 0,
+            path: Path { radius: 0.15, tip_radius: 0.1, angle, turns: 0.3 * number as f64 },
+            routing,
+            stiffness: None,
+            friction: 0.0,
+            breaking_load: None,
+            mass_per_length: 0.2,
+        });
+        robot.actuation.push(Command::Tension { tension: 1.0 + number as f64, motion: Motion::Pulled });
+    }
+    robot
+}
+
+/// Energy at a multiple of a step from the mesh's shape.
+fn energy(problem: &Problem, mesh: &Mesh, sweep: &mut Sweep, step: &Step, scale: f64) -> f64 {
+    let mut moved = mesh.clone();
+    moved.turn.iter_mut().zip(&step.turn).for_each(|(turn, change)| *turn += scale * change);
+    moved.v.iter_mut().zip(&step.v).for_each(|(v, change)| *v += scale * change);
+    sweep.place(&mut moved, problem.tables);
+    let mut lengths = Vec::new();
+    tendons::measure(&moved, sweep, &mut lengths, problem.tensions.len());
+    sweep.energy(problem, &moved, &lengths)
+}
+
+#[test]
+fn gradient_and_hessian_are_derivatives_of_the_energy() {
+    for guided in [false, true] {
+        let robot = robot(guided);
+        let mut chain = Chain::default();
+        chain.rebuild(&robot);
+        let tables = Tables::default();
+        let mut mesh = Mesh::default();
+        // two panels in a gap, too
+        let layouts: Vec<Layout> = chain.spans.iter().map(|_| Layout { parts: 2, points: 3 }).collect();
+        mesh.rebuild(&robot, &chain, &layouts, &tables);
+        // somewhere else than at an equilibrium
+        for (i, (turn, v)) in mesh.turn.iter_mut().zip(&mut mesh.v).enumerate() {
+            let phase = i as f64;
+            *turn += 0.1 * Vector3::new(phase.sin(), (1.7 * phase).cos(), (2.3 * phase).sin());
+            *v += 0.05 * Vector3::new((0.7 * phase).cos(), (1.1 * phase).sin(), (1.9 * phase).cos());
+        }
+        let tensions = [1.0, 2.0, 3.0];
+        let problem = Problem {
+            chain: &chain,
+            tables: &tables,
+            factor: 0.9,
+            gravity: robot.gravity,
+            tensions: &tensions[..robot.tendons.len()],
+        };
+        let (mut sweep, mut gradient, mut step) = (Sweep::default(), Column::default(), Step::default());
+        sweep.place(&mut mesh, &tables);
+        // a stiffer elastic part makes sure of the elimination; the direction is what counts
+        sweep.factor(&problem, &mesh, 0.0, &mut gradient);
+        let mut right = Column::default();
+        let mut first = Column::default();
+        tendons::length_form(&mesh, &sweep, robot.tendons.len() - 1, true, &mut first);
+        right.clone_from(&first);
+        sweep.solve(&mesh, &tables, &right, &mut step);
+        let scale = 0.3 / step.size;
+        let slope = scale * gradient.dot(&sweep, &mesh, &tables, &step);
+        let curvature = scale * scale * right.dot(&sweep, &mesh, &tables, &step);
+
+        let mut other = Sweep::default();
+        let mut at = |h: f64| energy(&problem, &mesh, &mut other, &step, scale * h);
+        let (ahead, here, behind) = (at(DIFFERENCE), at(0.0), at(-DIFFERENCE));
+        let by_difference = (ahead - behind) / (2.0 * DIFFERENCE);
+        assert!((slope - by_difference).abs() < LEFT_OF_FIRST * slope.abs(), "{slope} {by_difference}");
+        let by_difference = (ahead - 2.0 * here + behind) / DIFFERENCE.powi(2);
+        assert!(
+            (curvature - by_difference).abs() < LEFT_OF_SECOND * curvature.abs(),
+            "{curvature} {by_difference}"
+        );
+    }
+}
