@@ -78,6 +78,8 @@ pub struct Report {
     /// Part of the loads at which the branch from the unloaded shape first turned unstable; not looked for where the
     /// solver started from a solution.
     pub unstable_from: Option<f64>,
+    /// Part of the loads at which that branch ended in a fold; the shape is the minimum of the energy to which it snapped.
+    pub snapped_from: Option<f64>,
 }
 
 /// The solver that found it.

@@ -155,3 +155,48 @@ fn displacement() {
         }
     }
 }
+#[test]
+fn from_any_start() {
+    let mut r = robot(NITI);
+    r.gravity.y = -9.81;
+    for i in 0..3 {
+        tendon(
+            &mut r,
+            8e-3,
+            0.3 + f64::from(i) * 2.0943951,
+            if i == 1 { 0.3 } else { 0.0 },
+            Routing::Channel,
+            [3.0, 0.0, 0.5][i as usize],
+        );
+    }
+    let settings = Settings { method: Method::Energy, ..Settings::default() };
+    let a = statics::solve(&r, &settings).unwrap();
+    for mode in 0..2 {
+        if mode == 1 {
+            for i in 0..3 {
+                r.actuation[i] =
+                    Command::Displacement { displacement: a.tendons[i].displacement, motion: Motion::Pulled };
+            }
+        }
+        for seed in 0..8 {
+            let mut other = robot(NITI);
+            other.sections[0].rest_curvature = 8.0
+                * nalgebra::Vector3::new(
+                    (seed as f64).sin(),
+                    (3.1 * seed as f64).cos(),
+                    (1.7 * seed as f64).sin(),
+                );
+            let start = statics::solve(&other, &settings).unwrap();
+            match statics::solve_from(&r, &settings, &start.stations) {
+                Ok(b) => eprintln!(
+                    "{:.1e} it {} stable {:?} eig {:?}",
+                    (a.tip.position - b.tip.position).norm(),
+                    b.report.iterations,
+                    b.report.stable,
+                    b.report.smallest_eigenvalue
+                ),
+                Err(e) => eprintln!("{e}"),
+            }
+        }
+    }
+}

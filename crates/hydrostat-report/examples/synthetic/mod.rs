@@ -101,6 +101,7 @@ pub(crate) fn integrate(robot: &Robot, u: impl Fn(f64) -> Vector3<f64>) -> Equil
         checks: vec![Check { name: "strain", value: 0.004, limit: 0.01, ok: true, at: Some(0.0) }],
         report: Report {
             unstable_from: None,
+            snapped_from: None,
             method: Method::Shooting,
             iterations: 4,
             residual: 1e-13,

@@ -17,6 +17,7 @@ pub use constant_curvature::{Arcs, Weight, constant_curvature};
 use crate::solution::{Method, Station};
 use crate::{Equilibrium, Error, Robot};
 use chain::Chain;
+use energy::Start;
 use report::Judged;
 use rod::Node;
 use search::{Found, Search};
@@ -106,8 +107,31 @@ pub fn solve_near(
     settings: &Settings,
     workspace: &mut Workspace,
 ) -> Result<Equilibrium, Error> {
-    let warm = workspace.warm;
-    run(robot, settings, workspace, warm)
+    let start = if workspace.warm { Start::Last } else { Start::Rest };
+    run(robot, settings, workspace, start)
+}
+
+/// [`solve`], starting from a given shape instead of the unloaded one: its stations, base to tip. The energy method moves
+/// downhill from there, so that the answer is a stable equilibrium nearby.
+///
+/// # Errors
+/// As [`solve`], and where the loads have no energy or the stations do not span the backbone.
+pub fn solve_from(robot: &Robot, settings: &Settings, shape: &[Station]) -> Result<Equilibrium, Error> {
+    let mut workspace = Workspace::default();
+    let length = robot.length();
+    let spans = |s: f64, end: f64| (s - end).abs() <= 1e-6 * length;
+    let ordered = shape.windows(2).all(|pair| pair[0].s < pair[1].s);
+    match shape {
+        [first, .., last] if ordered && spans(first.s, 0.0) && spans(last.s, length) => {}
+        _ => {
+            return Err(Error::new("the shape to start from does not span the backbone")
+                .hint(format!("expected stations from s = 0 to {length} m, in order")));
+        }
+    }
+    if settings.method != Method::Energy {
+        return Err(Error::new("only the energy method starts from a given shape"));
+    }
+    run(robot, settings, &mut workspace, Start::Shape(shape))
 }
 
 /// [`solve`] in memory that is used again.
@@ -115,14 +139,14 @@ pub fn solve_near(
 /// # Errors
 /// As [`solve`].
 pub fn solve_in(robot: &Robot, settings: &Settings, workspace: &mut Workspace) -> Result<Equilibrium, Error> {
-    run(robot, settings, workspace, false)
+    run(robot, settings, workspace, Start::Rest)
 }
 
 fn run(
     robot: &Robot,
     settings: &Settings,
     workspace: &mut Workspace,
-    warm: bool,
+    start: Start,
 ) -> Result<Equilibrium, Error> {
     workspace.warm = false;
     robot.check()?;
@@ -130,11 +154,18 @@ fn run(
     workspace.chain.rebuild(robot);
     if settings.method == Method::Energy && !workspace.chain.follower {
         let Workspace { chain, energy, .. } = workspace;
-        let found = energy::find(energy, robot, chain, settings, warm)?;
+        let found = energy::find(energy, robot, chain, settings, start)?;
         let equilibrium = report::of_energy(robot, settings, chain, energy, &found)?;
         workspace.warm = true;
         return Ok(equilibrium);
     }
+    if matches!(start, Start::Shape(_)) {
+        return Err(Error::new(
+            "loads that follow the shape have no energy to start from a given shape with",
+        )
+        .hint("leave the start out: the solver then follows the loads from zero"));
+    }
+    let warm = matches!(start, Start::Last);
     let Workspace { chain, steps_per_span, order_factor, coarse, fine, reached, dead, follower, .. } =
         workspace;
     let warm = warm && steps_per_span.len() == chain.spans.len();

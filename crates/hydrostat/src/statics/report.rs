@@ -48,6 +48,7 @@ pub(super) fn equilibrium(
             stable: judged.stable,
             smallest_eigenvalue: judged.smallest_eigenvalue,
             unstable_from: judged.unstable_from,
+            snapped_from: None,
         },
     })
 }
@@ -79,6 +80,7 @@ pub(super) fn of_energy(
             stable,
             smallest_eigenvalue: found.smallest_eigenvalue,
             unstable_from: found.unstable_from,
+            snapped_from: found.snapped_from,
         },
     })
 }

@@ -1,10 +1,11 @@
 //! Panels of the backbone with their Gauss nodes: what does not depend on the shape, and the shape itself.
 
-use super::super::chain::Chain;
 use crate::geometry::RotationVector;
 use crate::model::{Robot, Routing};
 use crate::numeric::collocation::{Collocation, FEWEST, MOST};
 use crate::numeric::larger;
+use crate::solution::Station;
+use crate::statics::chain::Chain;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use std::ops::Range;
 
@@ -276,6 +277,26 @@ impl Mesh {
                 let turn = Rotation3::from_matrix_unchecked(start.tr_mul(&sample.rotation));
                 self.turn[node] = turn.scaled_axis();
                 self.v[node] = sample.v;
+            }
+        }
+    }
+
+    /// Starts from stations along the backbone, base to tip: their strains, and their rotations in between.
+    pub(super) fn take_shape(&mut self, tables: &Tables, shape: &[Station]) {
+        let rotation_at = |s: f64| {
+            let k = shape.partition_point(|station| station.s < s).clamp(1, shape.len() - 1);
+            let (a, b) = (&shape[k - 1], &shape[k]);
+            let t = ((s - a.s) / (b.s - a.s)).clamp(0.0, 1.0);
+            let turn = Rotation3::from_matrix_unchecked(a.rotation.tr_mul(&b.rotation)).scaled_axis();
+            (a.rotation * RotationVector::new(t * turn).rotation(), a.v.lerp(&b.v, t))
+        };
+        for panel in &self.panels {
+            let start = rotation_at(panel.from).0;
+            let points = &tables.of(panel.nodes.len()).points;
+            for (node, point) in panel.nodes.clone().zip(points) {
+                let (rotation, v) = rotation_at(panel.from + point * panel.length);
+                self.turn[node] = Rotation3::from_matrix_unchecked(start.tr_mul(&rotation)).scaled_axis();
+                self.v[node] = v;
             }
         }
     }

@@ -12,8 +12,9 @@ mod sweep;
 mod tendons;
 #[cfg(test)]
 mod tests;
+mod trust;
 
-pub(super) use search::{Found, find};
+pub(super) use search::{Found, Start, find};
 
 use mesh::{Layout, Mesh, Tables};
 use newton::Linear;

@@ -19,6 +19,10 @@ pub(super) struct Linear {
     responses: Vec<Step>,
     /// New tensions of the held tendons.
     pub(super) tensions: Vec<f64>,
+    /// Length that each held tendon gives per tension, by the robot and by itself.
+    pub(super) compliances: Vec<f64>,
+    /// How fast the energy falls along the step.
+    pub(super) slope: f64,
 }
 
 /// What one linearisation found.
@@ -72,8 +76,7 @@ impl Equations<'_> {
         }
     }
 
-    /// Linearises at the mesh's shape and solves for the step. `softness` is the length that a held tendon gives per tension
-    /// beside its own stretch; `shift` makes the elastic part of the Hessian larger.
+    /// Linearises at the mesh's shape and solves for the step; `shift` makes the elastic part of the Hessian larger.
     pub(super) fn linearise(&self, memory: &mut Memory, mesh: &mut Mesh, shift: f64) -> Linearised {
         let Memory { sweep, linear, drive } = memory;
         drive.apply(self.robot, self.factor);
@@ -84,6 +87,7 @@ impl Equations<'_> {
         linear.gradient.negate();
         sweep.solve(mesh, self.tables, &linear.gradient, &mut linear.step);
         let held = self.hold(sweep, linear, drive, mesh);
+        linear.slope = linear.gradient.dot(sweep, mesh, self.tables, &linear.step);
         self.judge(factored, held, linear)
     }
 
@@ -112,11 +116,15 @@ impl Equations<'_> {
         }
         let dot = |i: usize, step: &Step| linear.lengths[i].dot(sweep, mesh, self.tables, step);
         let mut s = DMatrix::from_fn(count, count, |i, j| dot(i, &linear.responses[j]));
+        linear.compliances.clear();
         for (i, &tendon) in drive.held.iter().enumerate() {
-            s[(i, i)] += drive.compliance(self.robot, tendon);
+            s[(i, i)] += drive.compliance(self.robot, tendon) + drive.springs.give.get(i).unwrap_or(&0.0);
+            linear.compliances.push(s[(i, i)]);
         }
         let now = DVector::from_fn(count, |i, _| drive.tensions[drive.held[i]]);
-        let excess = DVector::from_fn(count, |i, _| drive.excess(self.robot, drive.held[i], self.factor));
+        let excess = DVector::from_fn(count, |i, _| {
+            drive.excess(self.robot, drive.held[i], self.factor) + drive.springs.lag(i, drive.held[i], now[i])
+        });
         let right = DVector::from_fn(count, |i, _| dot(i, &linear.step)) + &excess + &s * &now;
         let symmetric = 0.5 * (&s + s.transpose());
         let curvatures = symmetric.clone().symmetric_eigenvalues();

@@ -18,6 +18,7 @@ pub(in crate::statics) struct Found {
     pub(in crate::statics) negative: usize,
     pub(in crate::statics) smallest_eigenvalue: Option<f64>,
     pub(in crate::statics) unstable_from: Option<f64>,
+    pub(in crate::statics) snapped_from: Option<f64>,
     pub(in crate::statics) iterations: usize,
 }
 
@@ -40,19 +41,34 @@ const SMALLEST_LOAD_STEP: f64 = 1.0 / 65_536.0;
 const SMALLEST_LOAD: f64 = 1e-9;
 /// A search gives up after so many nodes linearised.
 const MOST_WORK: usize = 2_000_000;
+/// By how much the loads grow where the robot snaps, and how often it may.
+const SNAP: f64 = 1e-3;
+const MOST_SNAPS: usize = 20;
+const MOST_BISECTIONS: usize = 6;
 /// Accuracy on the way to the full load: enough to start the next step.
 const ON_THE_WAY: f64 = 1e-7;
 
-/// Finds the equilibrium on the primary branch; from the last solution where `warm`.
+/// Where a search begins.
+#[derive(Clone, Copy)]
+pub(in crate::statics) enum Start<'a> {
+    /// The unloaded shape.
+    Rest,
+    /// The last solution, where it fits.
+    Last,
+    /// A given shape, base to tip.
+    Shape(&'a [Station]),
+}
+
+/// Finds an equilibrium: on the primary branch from the unloaded shape, on that of the start otherwise.
 pub(in crate::statics) fn find(
     energy: &mut Energy,
     robot: &Robot,
     chain: &Chain,
     settings: &Settings,
-    warm: bool,
+    start: Start,
 ) -> Result<Found, Error> {
-    let mut search = Search { energy, robot, chain, settings, iterations: 0 };
-    search.run(warm)
+    let mut search = Search { energy, robot, chain, settings, iterations: 0, snapped_from: None };
+    search.run(start)
 }
 
 struct Search<'a> {
@@ -61,28 +77,22 @@ struct Search<'a> {
     chain: &'a Chain,
     settings: &'a Settings,
     iterations: usize,
+    /// Part of the loads at which the branch ended and the robot snapped.
+    snapped_from: Option<f64>,
 }
 
 impl Search<'_> {
-    fn run(&mut self, warm: bool) -> Result<Found, Error> {
+    fn run(&mut self, start: Start) -> Result<Found, Error> {
         let tolerance = self.settings.tolerance;
-        let warm = warm && self.energy.layouts.len() == self.chain.spans.len();
         let mut unstable_from = None;
-        let mut arrived = false;
-        if warm {
-            let before = self.energy.coarse.clone();
-            let tensions = self.energy.memory.drive.tensions.clone();
-            self.lay();
-            self.energy.coarse.copy_shape(&before);
-            if tensions.len() == self.energy.memory.drive.tensions.len() {
-                self.energy.memory.drive.tensions = tensions;
+        match start {
+            Start::Shape(shape) => self.start_from(shape)?,
+            Start::Last if self.continue_last() => {}
+            Start::Last | Start::Rest => {
+                self.first_layout();
+                self.lay();
+                unstable_from = self.follow_load()?;
             }
-            arrived = self.newton(1.0, ON_THE_WAY.min(tolerance)).is_ok();
-        }
-        if !arrived {
-            self.first_layout();
-            self.lay();
-            unstable_from = self.follow_load()?;
         }
         self.newton(1.0, 0.1 * tolerance).map_err(|stuck| self.not_converged(1.0, &stuck))?;
         let mut last_difference: Option<f64> = None;
@@ -110,6 +120,51 @@ impl Search<'_> {
                 .hint("ask for a larger tolerance"));
             }
         }
+    }
+
+    /// Newton's method at the full load from the last solution. Returns whether it converged.
+    fn continue_last(&mut self) -> bool {
+        if self.energy.layouts.len() != self.chain.spans.len() || self.energy.coarse.panels.is_empty() {
+            return false;
+        }
+        let (before, drive) = (self.energy.coarse.clone(), self.energy.memory.drive.clone());
+        self.lay();
+        if before.data.len() != self.energy.coarse.data.len() || drive.held != self.energy.memory.drive.held {
+            return false;
+        }
+        self.energy.coarse.copy_shape(&before);
+        self.energy.memory.drive.tensions = drive.tensions;
+        self.newton(1.0, ON_THE_WAY).is_ok()
+    }
+
+    /// The equilibrium near a given shape: by Newton's method, or downhill from it.
+    fn start_from(&mut self, shape: &[Station]) -> Result<(), Error> {
+        self.first_layout();
+        self.lay();
+        for _ in 0..MOST_BISECTIONS {
+            let Energy { tables, coarse, .. } = &mut *self.energy;
+            coarse.take_shape(tables, shape);
+            if coarse.largest_turn(tables) <= LARGEST_TURN {
+                break;
+            }
+            for layout in &mut self.energy.layouts {
+                layout.parts *= 2;
+            }
+            self.lay();
+        }
+        let given = self.energy.coarse.clone();
+        if self.newton(1.0, ON_THE_WAY).is_ok() {
+            return Ok(());
+        }
+        self.energy.coarse = given;
+        self.energy.memory.drive.tensions.fill(0.0);
+        self.snap(1.0, &mut 0).map_err(|stuck| {
+            Error::new(format!(
+                "no equilibrium found from the given shape: {} iterations, last correction {:.1e}",
+                self.iterations, stuck.correction
+            ))
+            .hint("start from a shape of the same robot, or from the unloaded one")
+        })
     }
 
     /// Panels for the first mesh.
@@ -146,7 +201,7 @@ impl Search<'_> {
         let mut unstable_from = None;
         self.energy.reached.clone_from(&self.energy.coarse);
         let mut tensions = self.energy.memory.drive.tensions.clone();
-        let mut work = 0;
+        let (mut work, mut snaps) = (0, 0);
         while reached < 1.0 {
             let factor = (reached + step).min(1.0);
             let part = (factor - reached) / factor;
@@ -168,11 +223,38 @@ impl Search<'_> {
                 self.energy.memory.drive.tensions.clone_from(&tensions);
                 step *= 0.5;
                 if step < SMALLEST_LOAD_STEP * factor.max(SMALLEST_LOAD) || work > MOST_WORK {
-                    return Err(self.not_converged(reached, &outcome.err().unwrap_or_default()));
+                    // the branch ends here: the robot snaps to a minimum of its energy
+                    let beyond = (reached * (1.0 + SNAP)).clamp(SMALLEST_LOAD, 1.0);
+                    let way = self.snap(beyond, &mut snaps);
+                    way.map_err(|stuck| self.not_converged(reached, &outcome.err().unwrap_or(stuck)))?;
+                    self.snapped_from = self.snapped_from.or(Some(reached));
+                    (reached, step) = (beyond, largest_step);
+                    self.energy.reached.clone_from(&self.energy.coarse);
+                    tensions.clone_from(&self.energy.memory.drive.tensions);
                 }
             }
         }
         Ok(unstable_from)
+    }
+
+    /// Minimises the energy at a part of the loads, from the shape of the coarse mesh.
+    fn snap(&mut self, factor: f64, snaps: &mut usize) -> Result<(), Stuck> {
+        *snaps += 1;
+        if *snaps > MOST_SNAPS || !self.chain.conservative {
+            return Err(Stuck::default());
+        }
+        for _ in 0..MOST_BISECTIONS {
+            let Energy { tables, coarse, memory, .. } = &mut *self.energy;
+            let equations = Equations { robot: self.robot, chain: self.chain, tables, factor };
+            let outcome = equations.minimise(memory, coarse, &mut self.iterations);
+            memory.drive.springs.give.clear();
+            outcome?;
+            if self.energy.coarse.largest_turn(&self.energy.tables) <= LARGEST_TURN {
+                break;
+            }
+            self.bisect();
+        }
+        self.newton(factor, ON_THE_WAY).map(|_| ())
     }
 
     /// Largest angle between a cut and what it was at the last load step.
@@ -248,6 +330,7 @@ impl Search<'_> {
             negative,
             smallest_eigenvalue,
             unstable_from: unstable_from.or((negative > 0).then_some(1.0)),
+            snapped_from: self.snapped_from,
             iterations: self.iterations,
         })
     }

@@ -18,6 +18,23 @@ pub(super) struct Drive {
     /// Tendons held by displacement, and whether each is taut.
     pub(super) held: Vec<usize>,
     pub(super) taut: Vec<bool>,
+    pub(super) springs: Springs,
+}
+
+/// Springs that stand for the held tendons while the shape is far from an equilibrium.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Springs {
+    /// Length per tension, per held tendon; empty where their lengths are exact.
+    pub(super) give: Vec<f64>,
+    /// Tension, per tendon, at which a spring has no length of its own.
+    pub(super) centre: Vec<f64>,
+}
+
+impl Springs {
+    /// How much longer the i-th held tendon may be than without its spring, negative.
+    pub(super) fn lag(&self, i: usize, tendon: usize, tension: f64) -> f64 {
+        self.give.get(i).map_or(0.0, |give| give * (self.centre[tendon] - tension))
+    }
 }
 
 impl Drive {
