@@ -1,10 +1,13 @@
 //! The JSON of docs/format.md: SI, the unit in the key.
 
+use crate::files;
 use hydrostat::model::Pose;
-use hydrostat::solution::{Check, Method, Station};
+use hydrostat::solution::{Check, Method, Station, TendonState};
 use hydrostat::verify::{Experiment, Summary, Varied, Verification};
-use hydrostat::{Equilibrium, Robot};
+use hydrostat::{Equilibrium, Error, Robot};
+use nalgebra::{Matrix3, Vector3};
 use serde_json::{Map, Value, json};
+use std::path::Path;
 use std::time::Duration;
 
 /// `solve --json`.
@@ -23,7 +26,7 @@ pub(crate) fn solution(robot: &Robot, shape: &Equilibrium, took: Duration) -> Va
             "force_n": column(shape, |station| json!(station.force.as_slice())),
             "moment_nm": column(shape, |station| json!(station.moment.as_slice())),
         },
-        "tendons": [],
+        "tendons": shape.tendons.iter().map(tendon).collect::<Vec<_>>(),
         "checks": shape.checks.iter().map(check).collect::<Vec<_>>(),
         "report": {
             "method": method(report.method),
@@ -33,6 +36,7 @@ pub(crate) fn solution(robot: &Robot, shape: &Equilibrium, took: Duration) -> Va
             "stable": report.stable,
             "smallest_eigenvalue": report.smallest_eigenvalue,
             "unstable_from": report.unstable_from,
+            "snapped_from": report.snapped_from,
             "solve_time_us": took.as_nanos() as f64 / 1e3,
         },
     })
@@ -108,6 +112,47 @@ fn input_key(column: &str, quantity: Varied) -> String {
         Varied::Force { .. } => "n",
     };
     format!("{}_{unit}", column.to_lowercase().replace(|c: char| !c.is_alphanumeric(), "_"))
+}
+
+fn tendon(tendon: &TendonState) -> Value {
+    json!({
+        "name": tendon.name,
+        "tension_n": tendon.tension,
+        "tip_tension_n": tendon.tip_tension,
+        "displacement_m": tendon.displacement,
+        "length_m": tendon.length,
+        "slack": tendon.slack,
+    })
+}
+
+/// The stations of an earlier `solve --json`: arc length, rotation and v.
+pub(crate) fn read_stations(path: &Path) -> Result<Vec<Station>, Error> {
+    let text = files::read_text(path)?;
+    let malformed = |what: &str| {
+        Error::new(format!("{}: {what}", path.display()))
+            .hint("expected the output of `hydrostat solve ROBOT.toml --json`")
+    };
+    let value: Value =
+        serde_json::from_str(&text).map_err(|error| malformed(&format!("not JSON: {error}")))?;
+    let column = |name: &str| serde_json::from_value(value["stations"][name].clone());
+    let missing = |_| malformed("no stations with s_m, rotation and v");
+    let s: Vec<f64> = column("s_m").map_err(missing)?;
+    let v: Vec<[f64; 3]> = serde_json::from_value(value["stations"]["v"].clone()).map_err(missing)?;
+    let rotations: Vec<[[f64; 3]; 3]> =
+        serde_json::from_value(value["stations"]["rotation"].clone()).map_err(missing)?;
+    if v.len() != s.len() || rotations.len() != s.len() {
+        return Err(malformed("the columns of the stations differ in length"));
+    }
+    let station = |((s, v), rows): ((f64, [f64; 3]), [[f64; 3]; 3])| Station {
+        s,
+        position: Vector3::zeros(),
+        rotation: Matrix3::from_fn(|i, j| rows[i][j]),
+        v: v.into(),
+        u: Vector3::zeros(),
+        force: Vector3::zeros(),
+        moment: Vector3::zeros(),
+    };
+    Ok(s.into_iter().zip(v).zip(rotations).map(station).collect())
 }
 
 fn check(check: &Check) -> Value {

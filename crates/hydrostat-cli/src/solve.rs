@@ -3,9 +3,9 @@
 use crate::plot::Format;
 use crate::{Outcome, files, json, summary, warn};
 use clap::ValueEnum;
-use hydrostat::description;
 use hydrostat::statics::{self, Settings};
 use hydrostat::{Equilibrium, Error};
+use hydrostat::{description, solution};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -31,8 +31,20 @@ pub(crate) struct Args {
     /// Largest estimated position error, as a fraction of the length
     #[arg(long, value_name = "FRACTION", default_value_t = 1e-9, value_parser = tolerance, allow_negative_numbers = true)]
     tolerance: f64,
+    /// Tensions at the base, such as a=2N,b=0.5N; they replace the file's commands of these tendons
+    #[arg(long, value_name = "TENDON=FORCE,..")]
+    tension: Vec<String>,
+    /// Lengths pulled in at the base, such as a=5mm; they replace the file's commands of these tendons
+    #[arg(long, value_name = "TENDON=LENGTH,..")]
+    displacement: Vec<String>,
+    /// Tendons that were last paid out, such as a,b; matters with friction
+    #[arg(long, value_name = "TENDON,..")]
+    released: Vec<String>,
+    /// Start from the shape in the JSON of an earlier solution, and follow its branch
+    #[arg(long, value_name = "FILE")]
+    from: Option<PathBuf>,
     /// How the shape is found
-    #[arg(long, value_enum, default_value_t = Method::Shooting)]
+    #[arg(long, value_enum, default_value_t = Method::Energy)]
     method: Method,
     /// Shooting intervals; 1 is single shooting [default: one per integration step]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
@@ -41,6 +53,8 @@ pub(crate) struct Args {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Method {
+    /// Finds where the energy is stationary
+    Energy,
     /// Integrates from the base and corrects the base wrench
     Shooting,
 }
@@ -49,25 +63,35 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
     let plot = args.plot.as_deref().map(|path| Format::of(path).map(|format| (path, format))).transpose()?;
     let parsed = description::parse_robot(&files::read_text(&args.robot)?, &args.robot.to_string_lossy())?;
     warn(&parsed.warnings);
-    let robot = parsed.value;
+    let mut robot = parsed.value;
+    description::parse_commands(&mut robot, &args.tension, &args.displacement, &args.released)?;
+    let from = args.from.as_deref().map(json::read_stations).transpose()?;
 
-    let Method::Shooting = args.method;
+    let method = match args.method {
+        Method::Energy => solution::Method::Energy,
+        Method::Shooting => solution::Method::Shooting,
+    };
     let settings = Settings {
+        method,
         tolerance: args.tolerance,
         stations: args.stations,
         shooting_intervals: args.shooting_intervals.map(usize::from),
         ..Settings::default()
     };
+    let solve = |settings: &Settings| match &from {
+        Some(stations) => statics::solve_from(&robot, settings, stations),
+        None => statics::solve(&robot, settings),
+    };
     // the time is that of the shape alone; the eigenvalue takes longer
     let start = Instant::now();
-    statics::solve(&robot, &Settings { eigenvalue: false, ..settings.clone() })?;
+    solve(&Settings { eigenvalue: false, ..settings.clone() })?;
     let took = start.elapsed();
-    let shape = statics::solve(&robot, &settings)?;
+    let shape = solve(&settings)?;
 
     if let Some((path, format)) = plot {
         // a coil needs more points than a table
         let smooth = Settings { stations: args.stations.max(PLOTTED), eigenvalue: false, ..settings.clone() };
-        let smooth = Equilibrium { stations: statics::solve(&robot, &smooth)?.stations, ..shape.clone() };
+        let smooth = Equilibrium { stations: solve(&smooth)?.stations, ..shape.clone() };
         files::write(path, &format.encode(hydrostat_report::shape_svg(&robot, &smooth))?)?;
     }
     let failures = summary::failures(&shape);

@@ -24,6 +24,14 @@ pub(crate) fn text(robot: &Robot, shape: &Equilibrium, took: Duration) -> String
         line("base force", format!("{} N", components(base.force.as_slice(), 1.0, 6)));
         line("base moment", format!("{} N mm", components(base.moment.as_slice(), MM, 4)));
     }
+    for tendon in &shape.tendons {
+        let slack = if tendon.slack { ", slack" } else { "" };
+        let (tension, pulled, length) = (tendon.tension, tendon.displacement * MM, tendon.length * MM);
+        line(
+            &format!("tendon {}", tendon.name),
+            format!("{tension:.4} N, pulled in {pulled:.3} mm, {length:.3} mm long{slack}"),
+        );
+    }
     for check in shape.checks.iter().filter(|check| check.name != STABILITY) {
         line(check.name, check_in_words(check));
     }
@@ -67,8 +75,10 @@ pub(crate) fn stations(shape: &Equilibrium) -> String {
 
 fn check_in_words(check: &Check) -> String {
     // a strain is a fraction
-    let show = |value: f64| {
-        if check.name == "strain" { format!("{:.3} %", value * 100.0) } else { format!("{value:.6}") }
+    let show = |value: f64| match check.name {
+        "strain" | "guide_spacing" => format!("{:.3} %", value * 100.0),
+        "tension" => format!("{value:.3} N"),
+        _ => format!("{value:.6}"),
     };
     let place = check.at.map_or(String::new(), |at| format!(" at s = {:.1} mm", at * MM));
     let word = if check.ok { "" } else { ": FAILS" };

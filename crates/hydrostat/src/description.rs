@@ -10,6 +10,7 @@ mod reader;
 mod robot;
 mod section;
 pub mod templates;
+mod tendon;
 pub mod unit;
 
 #[cfg(test)]
@@ -17,6 +18,7 @@ mod format_test;
 
 pub use experiment::parse_experiment;
 pub use robot::parse_robot;
+pub use tendon::parse_commands;
 
 use crate::Error;
 

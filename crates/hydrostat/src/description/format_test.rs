@@ -1,7 +1,9 @@
 //! Holds `docs/format.md` to what the readers accept.
 
 use super::quantity::rounded;
-use super::{experiment as e, load, materials, parse_experiment, parse_robot, robot, section, templates};
+use super::{
+    experiment as e, load, materials, parse_experiment, parse_robot, robot, section, templates, tendon,
+};
 use crate::Error;
 
 const DOCUMENT: &str = include_str!("../../../../docs/format.md");
@@ -14,6 +16,8 @@ const TABLES: &[(&str, &[&str])] = &[
     ("profile", section::PROFILE_KEYS),
     ("guides", section::GUIDE_KEYS),
     ("load", load::LOAD_KEYS),
+    ("tendon", tendon::TENDON_KEYS),
+    ("actuation", tendon::ACTUATION_KEYS),
     ("experiment", e::EXPERIMENT_KEYS),
     ("bench", e::BENCH_KEYS),
     ("vary", e::VARY_KEYS),

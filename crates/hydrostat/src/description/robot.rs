@@ -2,9 +2,9 @@
 
 use super::quantity::{ACCELERATION, LENGTH, rounded};
 use super::reader::{Node, Source, Table, is_name};
-use super::{Parsed, load, materials, section};
+use super::{Parsed, load, materials, section, tendon};
 use crate::Error;
-use crate::model::{LoadKind, Pose, Robot};
+use crate::model::{LoadKind, Pose, Robot, Tendon};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 pub(super) const ROBOT_KEYS: &[&str] =
@@ -24,7 +24,6 @@ pub fn parse_robot(text: &str, file: &str) -> Result<Parsed<Robot>, Error> {
 
 pub(super) fn read(root: &Node, warnings: &mut Vec<Error>) -> Result<Robot, Error> {
     let table = root.table(ROBOT_KEYS)?;
-    refuse_tendons(&table)?;
     let name =
         table.require("name", "the robot's name, such as \"trunk\"")?.text("a name, such as \"trunk\"")?;
     let gravity = read_gravity(&table, warnings)?;
@@ -33,30 +32,14 @@ pub(super) fn read(root: &Node, warnings: &mut Vec<Error>) -> Result<Robot, Erro
     let sections = section::read(&table, &materials, warnings)?;
     let length = sections.iter().map(|section| section.length).sum();
     let loads = load::read(&table, length)?;
+    let tendons = tendon::read(&table, &sections, warnings)?;
+    let passed = |tendon: &Tendon| sections.iter().take(tendon.ends + 1).map(|section| section.length).sum();
+    let actuation = tendon::read_actuation(&table, &tendons, passed, warnings)?;
     let hung = loads.iter().any(|load| matches!(load.kind, LoadKind::Mass { .. }));
     if let Some(node) = table.get("gravity").filter(|_| hung && gravity == Vector3::zeros()) {
         warnings.push(node.error("without gravity a hung mass weighs nothing"));
     }
-    Ok(Robot {
-        tendons: Vec::new(),
-        actuation: Vec::new(),
-        name: name.to_string(),
-        gravity,
-        base,
-        sections,
-        loads,
-    })
-}
-
-fn refuse_tendons(table: &Table) -> Result<(), Error> {
-    for key in ["tendon", "actuation"] {
-        if let Some(node) = table.get(key) {
-            return Err(node
-                .error("tendons come with a later version; this one solves rods under loads")
-                .hint("take the tables [[tendon]] and [actuation] out"));
-        }
-    }
-    Ok(())
+    Ok(Robot { name: name.to_string(), gravity, base, sections, tendons, loads, actuation })
 }
 
 fn read_gravity(table: &Table, warnings: &mut Vec<Error>) -> Result<Vector3<f64>, Error> {

@@ -21,7 +21,7 @@ pub(super) const PROFILE_KEYS: &[&str] = &[
     "tip_height",
     "shear_coefficient",
 ];
-pub(super) const GUIDE_KEYS: &[&str] = &["spacing", "positions", "mass"];
+pub(super) const GUIDE_KEYS: &[&str] = &["spacing", "positions", "mass", "center_of_mass", "diameter"];
 
 const MOST_GUIDES: usize = 10_000;
 const LEAST_SLENDERNESS: f64 = 3.0; // below it a beam theory is the wrong theory
@@ -43,7 +43,7 @@ pub(super) fn read(
         return Err(robot.node.error("the sections have no finite length together"));
     }
     for (node, section) in nodes.iter().zip(&sections) {
-        let thickness = 2.0 * reach(&section.profile.base).max(reach(&section.profile.tip));
+        let thickness = thickness(section);
         if length < LEAST_SLENDERNESS * thickness {
             let message =
                 format!("the robot is only {} times as long as it is thick", rounded(length / thickness));
@@ -168,6 +168,11 @@ fn reach(section: &CrossSection) -> f64 {
     }
 }
 
+/// Largest thickness of a section.
+pub(super) fn thickness(section: &Section) -> f64 {
+    2.0 * reach(&section.profile.base).max(reach(&section.profile.tip))
+}
+
 fn read_guides(node: &Node, length: f64) -> Result<Guides, Error> {
     let table = node.table(GUIDE_KEYS)?;
     table.either("spacing", "positions")?;
@@ -182,7 +187,18 @@ fn read_guides(node: &Node, length: f64) -> Result<Guides, Error> {
         }
     };
     let mass = table.get("mass").map_or(Ok(0.0), |node| node.not_negative(&MASS))?;
-    Ok(Guides { positions, mass, mass_center: [0.0; 2], radius: None })
+    let mass_center = match table.get("center_of_mass") {
+        Some(node) => match node.list(&LENGTH)?[..] {
+            [x, y] => [x, y],
+            ref other => {
+                let expected = "two components along d1 and d2, such as \"[1, 0] mm\"";
+                return Err(node.error(format!("found a list of {}, expected {expected}", other.len())));
+            }
+        },
+        None => [0.0; 2],
+    };
+    let radius = positive(&table, "diameter")?.map(|diameter| 0.5 * diameter);
+    Ok(Guides { positions, mass, mass_center, radius })
 }
 
 /// At one spacing, two spacings, ... from the section's base, its tip included.
