@@ -281,7 +281,9 @@ impl Search<'_> {
         let taut = self.energy.memory.drive.taut.clone();
         std::mem::swap(&mut self.energy.coarse, &mut self.energy.fine);
         self.lay();
-        self.energy.coarse.prolong(&self.energy.fine, &self.energy.tables);
+        let Energy { tables, coarse, fine, memory, .. } = &mut *self.energy;
+        coarse.prolong(fine, tables);
+        memory.sweep.place(coarse, tables);
         self.energy.memory.drive.tensions = tensions;
         self.energy.memory.drive.taut = taut;
     }
