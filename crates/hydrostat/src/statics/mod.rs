@@ -4,6 +4,7 @@
 //! load by Newton's method on a coarse mesh, then halves the steps until two resolutions agree.
 
 mod chain;
+mod checks;
 mod constant_curvature;
 mod energy;
 mod report;

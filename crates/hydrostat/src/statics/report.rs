@@ -1,7 +1,8 @@
 //! What the caller sees of a converged mesh: stations, checks, report.
 
 use super::Settings;
-use super::chain::{Chain, Span};
+use super::chain::Chain;
+use super::checks;
 use super::energy::{self, Energy};
 use super::rod;
 use super::search::Found;
@@ -9,7 +10,7 @@ use super::shooting::Mesh;
 use crate::Error;
 use crate::model::{Pose, Robot};
 use crate::solution::{Check, Equilibrium, Method, Report, Station};
-use nalgebra::{Rotation3, Vector3};
+use nalgebra::Rotation3;
 
 /// What is known of the stability.
 pub(super) struct Judged {
@@ -31,7 +32,7 @@ pub(super) fn equilibrium(
     let stations: Vec<Station> = (0..settings.stations)
         .map(|i| station(chain_position(chain, i, settings.stations), robot, chain, mesh))
         .collect();
-    let checks = checks(robot, settings, chain, mesh, &stations, judged)?;
+    let checks = rod_checks(robot, settings, chain, mesh, &stations, judged)?;
     Ok(Equilibrium {
         tip: Pose {
             position: mesh.positions[mesh.steps.len()],
@@ -67,11 +68,19 @@ pub(super) fn of_energy(
         .collect();
     let falls = found.negative > 0;
     let stable = if falls { Some(false) } else { chain.conservative.then_some(true) };
+    let judged =
+        Judged { stable, smallest_eigenvalue: found.smallest_eigenvalue, unstable_from: found.unstable_from };
+    let tendons = energy.tendon_states(robot);
+    let mut strain = checks::Strain::default();
+    energy.for_each_strain(|span, s, v, u| strain.sample(robot, &chain.spans[span], s, v, u))?;
+    let mut checks: Vec<Check> = strain.check().into_iter().collect();
+    checks.extend(checks::tendons(robot, chain, &tendons, |s| energy.station(robot, chain, s))?);
+    checks.extend(stability(&judged));
     Ok(Equilibrium {
         tip: Pose { position, rotation: Rotation3::from_matrix_unchecked(rotation) },
         stations,
-        tendons: energy.tendon_states(robot),
-        checks: Vec::new(),
+        tendons,
+        checks,
         report: Report {
             method: Method::Energy,
             iterations: found.iterations,
@@ -112,7 +121,7 @@ pub(super) fn station(s: f64, robot: &Robot, chain: &Chain, mesh: &Mesh) -> Stat
 const SAMPLES: usize = 65;
 
 /// Strain against the limit of each material, and stability.
-fn checks(
+fn rod_checks(
     robot: &Robot,
     settings: &Settings,
     chain: &Chain,
@@ -120,20 +129,7 @@ fn checks(
     stations: &[Station],
     judged: &Judged,
 ) -> Result<Vec<Check>, Error> {
-    let mut worst: Option<Check> = None;
-    let mut sample = |span: &Span, s: f64, v: &Vector3<f64>, u: &Vector3<f64>| -> Result<(), Error> {
-        let strain = strain(robot, span, s, v, u)?;
-        let limit = robot.sections[span.section].material.strain_limit.unwrap_or(f64::INFINITY);
-        // the worst is the one nearest to its limit
-        let better = |check: &Check| {
-            let (a, b) = (strain / limit, check.value / check.limit);
-            a > b || (a >= b && strain > check.value)
-        };
-        if worst.as_ref().is_none_or(better) {
-            worst = Some(Check { name: "strain", value: strain, limit, ok: strain <= limit, at: Some(s) });
-        }
-        Ok(())
-    };
+    let mut strain = checks::Strain::default();
     // both ends of every step: strains jump where sections and loads do
     for (k, step) in mesh.steps.iter().enumerate() {
         let span = &chain.spans[chain.span_at(step.from + 0.5 * step.length)];
@@ -143,43 +139,36 @@ fn checks(
             [(rod::START, &mesh.nodes[k], step.from), (rod::END, &end, step.from + step.length)]
         {
             let section = rod::section_law(step, c, 1.0, node);
-            sample(span, s, &section.v, &section.u)?;
+            strain.sample(robot, span, s, &section.v, &section.u)?;
         }
     }
     for station in stations {
-        sample(&chain.spans[chain.span_at(station.s)], station.s, &station.v, &station.u)?;
+        strain.sample(robot, &chain.spans[chain.span_at(station.s)], station.s, &station.v, &station.u)?;
     }
     if settings.eigenvalue && stations.len() < SAMPLES {
         for i in 0..SAMPLES {
             let station = station(chain_position(chain, i, SAMPLES), robot, chain, mesh);
-            sample(&chain.spans[chain.span_at(station.s)], station.s, &station.v, &station.u)?;
+            strain.sample(
+                robot,
+                &chain.spans[chain.span_at(station.s)],
+                station.s,
+                &station.v,
+                &station.u,
+            )?;
         }
     }
     let mut checks = Vec::with_capacity(2);
-    checks.extend(worst);
-    if let Some(ok) = judged.stable {
-        let value = judged.smallest_eigenvalue.unwrap_or(f64::NAN);
-        checks.push(Check { name: "stability", value, limit: 0.0, ok, at: None });
-    }
+    checks.extend(strain.check());
+    checks.extend(stability(judged));
     Ok(checks)
+}
+
+fn stability(judged: &Judged) -> Option<Check> {
+    let value = judged.smallest_eigenvalue.unwrap_or(f64::NAN);
+    judged.stable.map(|ok| Check { name: "stability", value, limit: 0.0, ok, at: None })
 }
 
 /// Arc length of the i-th of `count` points, both ends included.
 fn chain_position(chain: &Chain, i: usize, count: usize) -> f64 {
     chain.length * i as f64 / (count.max(2) - 1) as f64
-}
-
-/// Largest fibre strain at `s`, theory (9).
-fn strain(robot: &Robot, span: &Span, s: f64, v: &Vector3<f64>, u: &Vector3<f64>) -> Result<f64, Error> {
-    let section = &robot.sections[span.section];
-    if v.z <= 0.0 {
-        return Err(Error::new(format!(
-            "the backbone is compressed to nothing at s = {s:.4} m of section \"{}\"",
-            section.name
-        ))
-        .hint("the linear section law does not hold there: lower the loads or stiffen the section"));
-    }
-    let bending = u - section.rest_curvature;
-    let along = ((s - span.section_start) / section.length).clamp(0.0, 1.0);
-    Ok((v.z - 1.0).abs() + section.cross_section(along).bending_strain([bending.x, bending.y]))
 }

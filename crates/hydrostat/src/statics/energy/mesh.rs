@@ -247,6 +247,12 @@ impl Mesh {
         Sample { panel: k, position, rotation, v, u }
     }
 
+    /// v and u at a fraction of a panel.
+    pub(super) fn strains(&self, tables: &Tables, panel: &Panel, t: f64) -> (Vector3<f64>, Vector3<f64>) {
+        let (_, v, u) = self.within(panel, tables.of(panel.nodes.len()), &Matrix3::identity(), t);
+        (v, u)
+    }
+
     /// Rotation and strains at a fraction of a panel.
     fn within(
         &self,

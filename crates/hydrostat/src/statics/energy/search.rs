@@ -9,6 +9,7 @@ use crate::solution::{Station, TendonState};
 use crate::statics::Settings;
 use crate::statics::chain::Chain;
 use crate::{Error, Robot};
+use nalgebra::{Matrix3, Vector3};
 
 /// What the search found, beside the shape in `Energy::fine`.
 #[derive(Clone, Debug)]
@@ -402,7 +403,7 @@ impl Energy {
         let span = &chain.spans[self.coarse.panels[sample.panel].span];
         let section = &robot.sections[span.section];
         let (shear, bend) = section.stiffness(span.fraction(robot, s));
-        let force = shear.component_mul(&(sample.v - nalgebra::Vector3::z()));
+        let force = shear.component_mul(&(sample.v - Vector3::z()));
         let moment = bend.component_mul(&(sample.u - section.rest_curvature));
         Station {
             s,
@@ -415,8 +416,22 @@ impl Energy {
         }
     }
 
+    /// Span, arc length, v and u at several places of every panel, both ends included.
+    pub(in crate::statics) fn for_each_strain(
+        &self,
+        mut visit: impl FnMut(usize, f64, &Vector3<f64>, &Vector3<f64>) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        for panel in &self.coarse.panels {
+            for t in [0.0, 0.25, 0.5, 0.75, 1.0] {
+                let (v, u) = self.coarse.strains(&self.tables, panel, t);
+                visit(panel.span, panel.from + t * panel.length, &v, &u)?;
+            }
+        }
+        Ok(())
+    }
+
     /// Pose of the tip.
-    pub(in crate::statics) fn tip(&self) -> (nalgebra::Vector3<f64>, nalgebra::Matrix3<f64>) {
+    pub(in crate::statics) fn tip(&self) -> (Vector3<f64>, Matrix3<f64>) {
         let last = self.coarse.panels.len();
         (self.coarse.positions[last], self.coarse.rotations[last])
     }

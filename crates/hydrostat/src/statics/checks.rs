@@ -1,0 +1,156 @@
+//! Every quantity of a solution that has a limit, held against it.
+
+use super::chain::{Chain, Span};
+use crate::Error;
+use crate::model::{Command, Robot, Routing};
+use crate::solution::{Check, Station, TendonState};
+use nalgebra::Vector3;
+
+/// The largest strain so far, relative to the limit where it occurs.
+#[derive(Default)]
+pub(super) struct Strain {
+    worst: Option<Check>,
+}
+
+impl Strain {
+    /// Takes a point of the backbone into account.
+    pub(super) fn sample(
+        &mut self,
+        robot: &Robot,
+        span: &Span,
+        s: f64,
+        v: &Vector3<f64>,
+        u: &Vector3<f64>,
+    ) -> Result<(), Error> {
+        let strain = strain(robot, span, s, v, u)?;
+        let limit = robot.sections[span.section].material.strain_limit.unwrap_or(f64::INFINITY);
+        // the worst is the one nearest to its limit
+        let better = |check: &Check| {
+            let (a, b) = (strain / limit, check.value / check.limit);
+            a > b || (a >= b && strain > check.value)
+        };
+        if self.worst.as_ref().is_none_or(better) {
+            self.worst =
+                Some(Check { name: "strain", value: strain, limit, ok: strain <= limit, at: Some(s) });
+        }
+        Ok(())
+    }
+
+    pub(super) fn check(self) -> Option<Check> {
+        self.worst
+    }
+}
+
+/// Largest fibre strain at `s`, theory (9).
+fn strain(robot: &Robot, span: &Span, s: f64, v: &Vector3<f64>, u: &Vector3<f64>) -> Result<f64, Error> {
+    let section = &robot.sections[span.section];
+    if v.z <= 0.0 {
+        return Err(Error::new(format!(
+            "the backbone is compressed to nothing at s = {s:.4} m of section \"{}\"",
+            section.name
+        ))
+        .hint("the linear section law does not hold there: lower the loads or stiffen the section"));
+    }
+    let bending = u - section.rest_curvature;
+    let along = ((s - span.section_start) / section.length).clamp(0.0, 1.0);
+    Ok((v.z - 1.0).abs() + section.cross_section(along).bending_strain([bending.x, bending.y]))
+}
+
+/// Tension against the breaking load, slack tendons, and how far tendons leave their channel between guides.
+///
+/// # Errors
+/// A commanded displacement that would tear its tendon.
+pub(super) fn tendons(
+    robot: &Robot,
+    chain: &Chain,
+    states: &[TendonState],
+    station: impl Fn(f64) -> Station,
+) -> Result<Vec<Check>, Error> {
+    let mut checks = Vec::new();
+    if states.is_empty() {
+        return Ok(checks);
+    }
+    checks.extend(tension(robot, states)?);
+    checks.extend(slack(robot, states));
+    checks.extend(guide_spacing(robot, chain, station));
+    Ok(checks)
+}
+
+/// The tension nearest to its breaking load.
+fn tension(robot: &Robot, states: &[TendonState]) -> Result<Option<Check>, Error> {
+    let mut worst: Option<Check> = None;
+    for ((tendon, command), state) in robot.tendons.iter().zip(&robot.actuation).zip(states) {
+        let Some(limit) = tendon.breaking_load else { continue };
+        let value = state.tension.max(state.tip_tension);
+        if let Command::Displacement { displacement, .. } = command
+            && value > limit
+        {
+            return Err(Error::new(format!(
+                "tendon \"{}\" tears: pulled in by {:.3} mm it carries {value:.3} N, above its breaking load of {limit:.3} N",
+                tendon.name,
+                displacement * 1e3
+            ))
+            .hint("pull it in less, or pay out the tendons on the other side"));
+        }
+        if worst.as_ref().is_none_or(|check| value / limit > check.value / check.limit) {
+            worst = Some(Check { name: "tension", value, limit, ok: value <= limit, at: None });
+        }
+    }
+    Ok(worst)
+}
+
+/// Number of tendons that are slack although they are pulled in.
+fn slack(robot: &Robot, states: &[TendonState]) -> Option<Check> {
+    let held = |command: &&Command| matches!(command, Command::Displacement { .. });
+    robot.actuation.iter().find(held)?;
+    let pulled_in = |command: &Command| matches!(command, Command::Displacement { displacement, .. } if *displacement > 0.0);
+    let count = robot
+        .actuation
+        .iter()
+        .zip(states)
+        .filter(|(command, state)| pulled_in(command) && state.slack)
+        .count();
+    Some(Check { name: "slack", value: count as f64, limit: 0.0, ok: count == 0, at: None })
+}
+
+/// Largest distance of a straight tendon from its hole's curve, as a fraction of the hole's radius, that is still a channel's.
+const LARGEST_DEVIATION: f64 = 0.1;
+/// Places at which a gap between plates is looked at.
+const PLACES: [f64; 3] = [0.25, 0.5, 0.75];
+
+fn guide_spacing(robot: &Robot, chain: &Chain, station: impl Fn(f64) -> Station) -> Option<Check> {
+    let plates = robot.plates();
+    let at = |s: f64| station(s.min(chain.length));
+    let mut worst: Option<Check> = None;
+    for pair in plates.windows(2) {
+        let ends = [at(pair[0]), at(pair[1])];
+        let inside = PLACES.map(|t| at(pair[0] + t * (pair[1] - pair[0])));
+        for tendon in robot.tendons.iter().filter(|tendon| tendon.routing == Routing::Guides) {
+            let end = robot.tendon_end(tendon);
+            if pair[1] > end * (1.0 + 1e-9) {
+                continue;
+            }
+            let hole = |station: &Station| {
+                let local = tendon.path.hole((station.s / end).min(1.0), end).0;
+                (station.position + station.rotation * local, local.norm())
+            };
+            let (start, chord) = (hole(&ends[0]).0, hole(&ends[1]).0 - hole(&ends[0]).0);
+            for station in &inside {
+                let (point, radius) = hole(station);
+                let away = (point - start).cross(&chord).norm() / chord.norm();
+                let value = if radius > 0.0 { away / radius } else { 0.0 };
+                if worst.as_ref().is_none_or(|check| value > check.value) {
+                    let ok = value <= LARGEST_DEVIATION;
+                    worst = Some(Check {
+                        name: "guide_spacing",
+                        value,
+                        limit: LARGEST_DEVIATION,
+                        ok,
+                        at: Some(station.s),
+                    });
+                }
+            }
+        }
+    }
+    worst
+}
