@@ -1,6 +1,7 @@
 //! The backbone cut at its breakpoints, with everything along it that does not depend on the shape.
 
-use crate::model::{Frame, LoadKind, Robot};
+use super::section::Pull;
+use crate::model::{Command, Frame, LoadKind, Robot, Routing, Tendon};
 use crate::numeric::dop853::{C, STAGES};
 use nalgebra::Vector3;
 
@@ -55,8 +56,9 @@ struct Uniform {
 pub(super) struct Jump {
     /// Dead moment, world frame.
     pub(super) moment: Vector3<f64>,
-    /// First moment of the masses off the axis, sum m r_c, body frame.
+    /// First moment of the masses off the axis, sum m r_c, body frame, and gravity, world frame.
     pub(super) hung: Vector3<f64>,
+    pub(super) gravity: Vector3<f64>,
     /// Following force and moment, body frame.
     pub(super) following_force: Vector3<f64>,
     pub(super) following_moment: Vector3<f64>,
@@ -85,6 +87,10 @@ pub(super) struct Step {
     pub(super) following_moment: Vector3<f64>,
     /// Whether either of the two is not zero.
     pub(super) follows: bool,
+    /// World frame; zero where the tendons' weight does not act beside the axis.
+    pub(super) gravity: Vector3<f64>,
+    /// The channel tendons that pass, at every point.
+    pub(super) pulls: Vec<[Pull; POINTS.len()]>,
 }
 
 /// Compliance (diagonals of K_se^-1, K_bt^-1) and dead force n (world frame) at one arc length.
@@ -93,6 +99,8 @@ pub(super) struct StageData {
     pub(super) shear: Vector3<f64>,
     pub(super) bend: Vector3<f64>,
     pub(super) force: Vector3<f64>,
+    /// First moment of the tendons' mass per length, body frame.
+    pub(super) mass_moment: Vector3<f64>,
 }
 
 impl Chain {
@@ -253,6 +261,7 @@ impl Chain {
                         let [x, y] = guides.mass_center;
                         spans[end].force_beyond += guides.mass * robot.gravity;
                         spans[end].jump.hung += guides.mass * Vector3::new(x, y, 0.0);
+                        spans[end].jump.gravity = robot.gravity;
                     }
                 }
             }
@@ -273,11 +282,14 @@ impl Chain {
 
 impl Span {
     /// A step from `s` over `length` within this span.
-    pub(super) fn step(&self, robot: &Robot, s: f64, length: f64) -> Step {
+    ///
+    /// `tensions` are those of the tendons at the base.
+    pub(super) fn step(&self, robot: &Robot, tensions: &[f64], s: f64, length: f64) -> Step {
         let stages = POINTS.map(|c| {
             let at = s + c * length;
             let (shear, bend) = self.compliance(robot, at);
-            StageData { shear, bend, force: self.dead_force(robot, at) }
+            let mass_moment = self.mass_moment(robot, at);
+            StageData { shear, bend, force: self.dead_force(robot, at), mass_moment }
         });
         Step {
             from: s,
@@ -288,7 +300,44 @@ impl Span {
             following_force: self.following_force,
             following_moment: self.following_moment,
             follows: self.following_force != Vector3::zeros() || self.following_moment != Vector3::zeros(),
+            gravity: if self.heavy_tendons { robot.gravity } else { Vector3::zeros() },
+            pulls: self.pulls(robot, tensions, s, length),
         }
+    }
+
+    fn pulls(&self, robot: &Robot, tensions: &[f64], s: f64, length: f64) -> Vec<[Pull; POINTS.len()]> {
+        let middle = 0.5 * (self.from + self.to);
+        let passing =
+            |tendon: &Tendon| tendon.routing == Routing::Channel && middle < robot.tendon_end(tendon);
+        let pull = |(tendon, tension): (&Tendon, &f64)| {
+            let end = robot.tendon_end(tendon);
+            POINTS.map(|c| {
+                let (hole, along) = tendon.path.hole((s + c * length) / end, end);
+                Pull { hole, along, tension: *tension }
+            })
+        };
+        robot.tendons.iter().zip(tensions).filter(|(tendon, _)| passing(tendon)).map(pull).collect()
+    }
+
+    /// Bending that the given tensions cause, and the turn of helical holes, per length.
+    fn tendon_angle(&self, robot: &Robot) -> f64 {
+        let middle = 0.5 * (self.from + self.to);
+        let bend = self.compliance(robot, middle).1.amax();
+        let mut sum = Vector3::zeros();
+        let mut turning = 0.0_f64;
+        for (tendon, command) in robot.tendons.iter().zip(&robot.actuation) {
+            let end = robot.tendon_end(tendon);
+            if middle < end {
+                let (hole, along) = tendon.path.hole(middle / end, end);
+                if let Command::Tension { tension, .. } = command {
+                    sum += *tension * hole;
+                }
+                if tendon.path.turns != 0.0 {
+                    turning = turning.max(along.norm() / hole.norm().max(1e-9));
+                }
+            }
+        }
+        (sum.norm() * bend).max(0.5 * turning)
     }
 
     /// The angle per length that a mesh must resolve: the rest curvature, and sqrt(n / EI), which keeps
@@ -297,7 +346,8 @@ impl Span {
         let force = self.dead_force(robot, self.from).norm().max(self.force_beyond.norm());
         let flexibility =
             [self.from, self.to].map(|s| self.compliance(robot, s).1.amax()).into_iter().fold(0.0, f64::max);
-        (force * flexibility).sqrt().max(robot.sections[self.section].rest_curvature.norm())
+        let of_load = (force * flexibility).sqrt().max(robot.sections[self.section].rest_curvature.norm());
+        if robot.tendons.is_empty() { of_load } else { of_load.max(self.tendon_angle(robot)) }
     }
 
     /// Diagonals of K_se^-1 and K_bt^-1 at `s`.

@@ -167,7 +167,7 @@ fn imbalance(robot: &Robot, chain: &Chain, factor: f64, arcs: &Arcs) -> DVector<
         following += factor * (tip * span.jump.following_force);
         let h = (span.to - span.from) / PANELS as f64;
         for panel in (0..PANELS).rev() {
-            let step = span.step(robot, span.from + panel as f64 * h, h);
+            let step = span.step(robot, &[], span.from + panel as f64 * h, h);
             let [far, middle, near] = [(END, 1.0), (MIDDLE, 0.5), (START, 0.0)]
                 .map(|(c, along)| (c, arcs.pose(step.from + along * h)));
             // -m' = p' x n + l, from the far end to the middle and to the near end

@@ -6,10 +6,13 @@
 mod chain;
 mod checks;
 mod constant_curvature;
+mod crossing;
 mod energy;
+mod held;
 mod report;
 mod rod;
 mod search;
+mod section;
 mod shooting;
 mod stability;
 
@@ -77,6 +80,8 @@ impl Settings {
 #[derive(Clone, Debug, Default)]
 pub struct Workspace {
     chain: Chain,
+    /// At the base, per tendon, for shooting.
+    tensions: Vec<f64>,
     steps_per_span: Vec<usize>,
     order_factor: f64,
     coarse: Mesh,
@@ -167,13 +172,33 @@ fn run(
         .hint("leave the start out: the solver then follows the loads from zero"));
     }
     let warm = matches!(start, Start::Last);
-    let Workspace { chain, steps_per_span, order_factor, coarse, fine, reached, dead, follower, .. } =
-        workspace;
+    let (found, states) = held::solve(robot, settings, workspace, warm)?;
+    let judged = judge(robot, settings, workspace, &found);
+    let equilibrium = report::equilibrium(robot, settings, workspace, &found, &judged, states)?;
+    workspace.warm = true;
+    Ok(equilibrium)
+}
+
+/// Shooting under the workspace's tensions.
+fn shoot(robot: &Robot, settings: &Settings, workspace: &mut Workspace, warm: bool) -> Result<Found, Error> {
+    let Workspace {
+        chain,
+        tensions,
+        steps_per_span,
+        order_factor,
+        coarse,
+        fine,
+        reached,
+        dead,
+        follower,
+        ..
+    } = workspace;
     let warm = warm && steps_per_span.len() == chain.spans.len();
     let mut search = Search {
         robot,
         settings,
         chain,
+        tensions,
         steps_per_span,
         coarse,
         fine,
@@ -182,12 +207,7 @@ fn run(
         iterations: 0,
         work: 0,
     };
-    let found = if chain.follower { search.run(warm, follower)? } else { search.run(warm, dead)? };
-    let judged = judge(robot, settings, workspace, &found);
-    let equilibrium =
-        report::equilibrium(robot, settings, &workspace.chain, &workspace.fine, &found, &judged)?;
-    workspace.warm = true;
-    Ok(equilibrium)
+    if chain.follower { search.run(warm, follower) } else { search.run(warm, dead) }
 }
 
 /// Below this determinant of the Riccati sweep the mesh of the shape is too coarse to judge stability.
@@ -195,12 +215,12 @@ const DOUBTFUL_PIVOT: f64 = 0.3;
 
 /// Whether the energy falls in some direction from the shape just found.
 fn judge(robot: &Robot, settings: &Settings, workspace: &mut Workspace, found: &Found) -> Judged {
-    let Workspace { chain, steps_per_span, fine, dead, .. } = workspace;
+    let Workspace { chain, tensions, steps_per_span, fine, dead, .. } = workspace;
     let doubtful = found.conjugate_points > 0 || found.smallest_pivot < DOUBTFUL_PIVOT;
     let (mut falls, mut smallest_eigenvalue) = (found.conjugate_points > 0, None);
     if !chain.follower && (settings.eigenvalue || doubtful) {
         let steps: Vec<usize> = steps_per_span.iter().map(|count| 2 * count).collect();
-        let mut second_variation = SecondVariation::new(robot, chain, fine, &steps, dead);
+        let mut second_variation = SecondVariation::new(robot, tensions, chain, fine, &steps, dead);
         falls = second_variation.eigenvalues_below(0.0) > 0;
         smallest_eigenvalue = settings.eigenvalue.then(|| second_variation.smallest_eigenvalue());
     }
@@ -217,7 +237,8 @@ impl Workspace {
     /// `s` is not on the backbone.
     pub fn station(&self, robot: &Robot, s: f64) -> Option<Station> {
         let on_backbone = (0.0..=self.chain.length * (1.0 + 1e-12)).contains(&s);
-        (self.warm && on_backbone)
-            .then(|| report::station(s.min(self.chain.length), robot, &self.chain, &self.fine))
+        (self.warm && on_backbone).then(|| {
+            report::station(s.min(self.chain.length), robot, &self.chain, &self.tensions, &self.fine)
+        })
     }
 }

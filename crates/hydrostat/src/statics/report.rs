@@ -1,16 +1,17 @@
 //! What the caller sees of a converged mesh: stations, checks, report.
 
-use super::Settings;
 use super::chain::Chain;
 use super::checks;
 use super::energy::{self, Energy};
 use super::rod;
 use super::search::Found;
 use super::shooting::Mesh;
+use super::{Settings, Workspace};
 use crate::Error;
+use crate::geometry::RotationVector;
 use crate::model::{Pose, Robot};
-use crate::solution::{Check, Equilibrium, Method, Report, Station};
-use nalgebra::Rotation3;
+use crate::solution::{Check, Equilibrium, Method, Report, Station, TendonState};
+use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// What is known of the stability.
 pub(super) struct Judged {
@@ -23,23 +24,26 @@ pub(super) struct Judged {
 pub(super) fn equilibrium(
     robot: &Robot,
     settings: &Settings,
-    chain: &Chain,
-    mesh: &Mesh,
+    workspace: &Workspace,
     found: &Found,
     judged: &Judged,
+    tendons: Vec<TendonState>,
 ) -> Result<Equilibrium, Error> {
+    let Workspace { chain, tensions, fine: mesh, .. } = workspace;
     let tip = mesh.nodes[mesh.steps.len()];
     let stations: Vec<Station> = (0..settings.stations)
-        .map(|i| station(chain_position(chain, i, settings.stations), robot, chain, mesh))
+        .map(|i| station(chain_position(chain, i, settings.stations), robot, chain, tensions, mesh))
         .collect();
-    let checks = rod_checks(robot, settings, chain, mesh, &stations, judged)?;
+    let mut checks = rod_checks(robot, settings, chain, tensions, mesh, &stations)?;
+    checks.extend(checks::tendons(robot, chain, &tendons, |s| station(s, robot, chain, tensions, mesh))?);
+    checks.extend(stability(judged));
     Ok(Equilibrium {
         tip: Pose {
             position: mesh.positions[mesh.steps.len()],
             rotation: Rotation3::from_matrix_unchecked(tip.rotation),
         },
         stations,
-        tendons: Vec::new(),
+        tendons,
         checks,
         report: Report {
             method: Method::Shooting,
@@ -95,16 +99,16 @@ pub(super) fn of_energy(
 }
 
 /// The state at `s`, on the base side of a jump.
-pub(super) fn station(s: f64, robot: &Robot, chain: &Chain, mesh: &Mesh) -> Station {
+pub(super) fn station(s: f64, robot: &Robot, chain: &Chain, tensions: &[f64], mesh: &Mesh) -> Station {
     let k = mesh.steps.partition_point(|step| step.from < s).saturating_sub(1);
     let step = &mesh.steps[k];
     // a whole step is taken as it stands, so that the last station is the tip to the last bit
     let part = if (s - step.from - step.length).abs() <= f64::EPSILON * chain.length {
         step.clone()
     } else {
-        chain.spans[chain.span_at(s)].step(robot, step.from, (s - step.from).max(0.0))
+        chain.spans[chain.span_at(s)].step(robot, tensions, step.from, (s - step.from).max(0.0))
     };
-    let (node, displacement) = rod::integrate(&part, 1.0, &mesh.nodes[k]);
+    let (node, displacement) = rod::integrate(&part, 1.0, &mesh.own[k]);
     let section = rod::section_law(&part, rod::END, 1.0, &node);
     Station {
         s,
@@ -112,9 +116,35 @@ pub(super) fn station(s: f64, robot: &Robot, chain: &Chain, mesh: &Mesh) -> Stat
         rotation: node.rotation,
         v: section.v,
         u: section.u,
-        force: section.force,
-        moment: node.moment,
+        force: if part.pulls.is_empty() {
+            section.force
+        } else {
+            node.rotation * section.backbone_force(&part)
+        },
+        moment: if part.pulls.is_empty() {
+            node.moment
+        } else {
+            node.rotation * section.backbone_moment(&part)
+        },
     }
+}
+
+/// Points per span at which a path at rest is summed.
+pub(super) const STATION_POINTS: usize = 8;
+
+/// Pose of the unloaded backbone at `s`.
+pub(super) fn rest_pose(robot: &Robot, s: f64) -> (Vector3<f64>, Matrix3<f64>) {
+    let (mut position, mut rotation) = (robot.base.position, *robot.base.rotation.matrix());
+    let mut from = 0.0;
+    for section in &robot.sections {
+        let length = (s - from).clamp(0.0, section.length);
+        let turn = RotationVector::new(length * section.rest_curvature);
+        // the integral of exp(t hat(u)) is J(-w) = J(w)^T for constant u
+        position += length * (rotation * (turn.jacobian().transpose() * Vector3::z()));
+        rotation *= turn.rotation();
+        from += section.length;
+    }
+    (position, rotation)
 }
 
 /// The backbone is sampled at least so often for its largest strain, unless only the bare shape is wanted.
@@ -125,18 +155,22 @@ fn rod_checks(
     robot: &Robot,
     settings: &Settings,
     chain: &Chain,
+    tensions: &[f64],
     mesh: &Mesh,
     stations: &[Station],
-    judged: &Judged,
 ) -> Result<Vec<Check>, Error> {
     let mut strain = checks::Strain::default();
     // both ends of every step: strains jump where sections and loads do
     for (k, step) in mesh.steps.iter().enumerate() {
         let span = &chain.spans[chain.span_at(step.from + 0.5 * step.length)];
-        let mut end = mesh.nodes[k + 1];
-        rod::pass(&mesh.jumps[k], -1.0, &mut end);
-        for (c, node, s) in
-            [(rod::START, &mesh.nodes[k], step.from), (rod::END, &end, step.from + step.length)]
+        let end = if mesh.own_differs() {
+            rod::integrate(step, 1.0, &mesh.own[k]).0
+        } else {
+            let mut end = mesh.nodes[k + 1];
+            rod::pass(&mesh.jumps[k], -1.0, &mut end);
+            end
+        };
+        for (c, node, s) in [(rod::START, &mesh.own[k], step.from), (rod::END, &end, step.from + step.length)]
         {
             let section = rod::section_law(step, c, 1.0, node);
             strain.sample(robot, span, s, &section.v, &section.u)?;
@@ -147,7 +181,7 @@ fn rod_checks(
     }
     if settings.eigenvalue && stations.len() < SAMPLES {
         for i in 0..SAMPLES {
-            let station = station(chain_position(chain, i, SAMPLES), robot, chain, mesh);
+            let station = station(chain_position(chain, i, SAMPLES), robot, chain, tensions, mesh);
             strain.sample(
                 robot,
                 &chain.spans[chain.span_at(station.s)],
@@ -159,7 +193,6 @@ fn rod_checks(
     }
     let mut checks = Vec::with_capacity(2);
     checks.extend(strain.check());
-    checks.extend(stability(judged));
     Ok(checks)
 }
 

@@ -1,6 +1,7 @@
 //! The equations of the rod over one integration step: state and transition matrix.
 
 use super::chain::{Jump, Step};
+use super::section::{self, Pull, Pulled};
 use crate::geometry::{cayley, cayley_coordinates, cayley_rate, hat};
 use crate::numeric::dop853::{B, STAGES, TABLEAU};
 use nalgebra::{Matrix3, Vector3};
@@ -27,6 +28,18 @@ pub(super) struct Section {
     pub(super) force: Vector3<f64>,
 }
 
+impl Section {
+    /// K_se (v - v*), body frame, at the end of a step.
+    pub(super) fn backbone_force(&self, step: &Step) -> Vector3<f64> {
+        (self.v - Vector3::z()).component_div(&step.stages[END].shear)
+    }
+
+    /// K_bt (u - u*), body frame, at the end of a step.
+    pub(super) fn backbone_moment(&self, step: &Step) -> Vector3<f64> {
+        (self.u - step.rest_curvature).component_div(&step.stages[END].bend)
+    }
+}
+
 /// R', p', m', n' at a point of a step; the rotation's by its body-frame rate u.
 struct Rates {
     u: Vector3<f64>,
@@ -41,18 +54,27 @@ struct Loads {
     /// Dead force n beyond the point, and dead moment l per length.
     force: Vector3<f64>,
     moment_per_length: Vector3<f64>,
+    gravity: Vector3<f64>,
 }
 
 impl Loads {
     /// World frame.
     fn at(step: &Step, c: usize, factor: f64) -> Self {
-        Loads { force: factor * step.stages[c].force, moment_per_length: factor * step.moment_per_length }
+        Loads {
+            force: factor * step.stages[c].force,
+            moment_per_length: factor * step.moment_per_length,
+            gravity: factor * step.gravity,
+        }
     }
 
     /// Seen from a rotated frame.
     #[inline(always)]
     fn seen_from(&self, frame: &Matrix3<f64>) -> Self {
-        Loads { force: frame.tr_mul(&self.force), moment_per_length: frame.tr_mul(&self.moment_per_length) }
+        Loads {
+            force: frame.tr_mul(&self.force),
+            moment_per_length: frame.tr_mul(&self.moment_per_length),
+            gravity: frame.tr_mul(&self.gravity),
+        }
     }
 }
 
@@ -62,17 +84,28 @@ impl Loads {
 /// R^T n = K_se (v - v*),   R^T m = K_bt (u - u*)
 /// ```
 #[inline(always)]
-fn strains(step: &Step, c: usize, loads: &Loads, node: &Node) -> Section {
+fn strains(step: &Step, c: usize, factor: f64, loads: &Loads, node: &Node) -> Section {
     let point = &step.stages[c];
     let force = loads.force + node.force;
+    if !step.pulls.is_empty() {
+        let (n, m) = (node.rotation.tr_mul(&force), node.rotation.tr_mul(&node.moment));
+        let pulls = pulls(step, c, factor);
+        let (v, u) = section::strains(&point.shear, &point.bend, &step.rest_curvature, pulls, &n, &m);
+        return Section { v, u, force };
+    }
     let v = Vector3::z() + point.shear.component_mul(&node.rotation.tr_mul(&force));
     let u = step.rest_curvature + point.bend.component_mul(&node.rotation.tr_mul(&node.moment));
     Section { v, u, force }
 }
 
+/// The channel tendons at a point of a step under `factor` times their tensions.
+fn pulls(step: &Step, c: usize, factor: f64) -> impl Iterator<Item = Pull> + Clone + '_ {
+    step.pulls.iter().map(move |points| Pull { tension: factor * points[c].tension, ..points[c] })
+}
+
 /// The section law at abscissa `c` (an index) of the step, under `factor` times the loads; world frame.
 pub(super) fn section_law(step: &Step, c: usize, factor: f64, node: &Node) -> Section {
-    strains(step, c, &Loads::at(step, c, factor), node)
+    strains(step, c, factor, &Loads::at(step, c, factor), node)
 }
 
 /// The equations of the rod, theory (1) to (4), in any frame at rest.
@@ -82,9 +115,12 @@ pub(super) fn section_law(step: &Step, c: usize, factor: f64, node: &Node) -> Se
 /// ```
 #[inline(always)]
 fn rates(step: &Step, c: usize, factor: f64, loads: &Loads, node: &Node) -> Rates {
-    let section = strains(step, c, loads, node);
+    let section = strains(step, c, factor, loads, node);
     let position = node.rotation * section.v;
-    let moment = section.force.cross(&position) - loads.moment_per_length;
+    let mut moment = section.force.cross(&position) - loads.moment_per_length;
+    if step.gravity != Vector3::zeros() {
+        moment -= (node.rotation * step.stages[c].mass_moment).cross(&loads.gravity);
+    }
     if !step.follows {
         return Rates { u: section.u, position, moment, force: Vector3::zeros() };
     }
@@ -150,15 +186,7 @@ pub(super) fn transition<const N: usize>(
     end: &Node,
 ) -> Transition<N> {
     let h = step.length;
-    let rates = |c, node| rates(step, c, factor, &Loads::at(step, c, factor), node);
-    let (at_start, at_end) = (rates(START, start), rates(END, end));
-    let w = cayley_coordinates(&start.rotation.tr_mul(&end.rotation));
-    let w_middle = 0.5 * w + h / 8.0 * (at_start.u - cayley_rate(&w, &at_end.u));
-    let middle = Node {
-        rotation: start.rotation * cayley(&w_middle),
-        moment: 0.5 * (start.moment + end.moment) + h / 8.0 * (at_start.moment - at_end.moment),
-        force: 0.5 * (start.force + end.force) + h / 8.0 * (at_start.force - at_end.force),
-    };
+    let middle = middle(step, factor, start, end);
     let variation = |c, node| Variation::new(step, c, factor, softening, node);
     let (first, second, third) = (variation(START, start), variation(MIDDLE, &middle), variation(END, end));
     let k1: Transition<N> = first.blocks();
@@ -172,6 +200,21 @@ pub(super) fn transition<const N: usize>(
             identity + h / 6.0 * sum
         })
     })
+}
+
+/// The state in the middle of a step by Hermite's cubic.
+#[inline(always)]
+fn middle(step: &Step, factor: f64, start: &Node, end: &Node) -> Node {
+    let h = step.length;
+    let rates = |c, node| rates(step, c, factor, &Loads::at(step, c, factor), node);
+    let (at_start, at_end) = (rates(START, start), rates(END, end));
+    let w = cayley_coordinates(&start.rotation.tr_mul(&end.rotation));
+    let w_middle = 0.5 * w + h / 8.0 * (at_start.u - cayley_rate(&w, &at_end.u));
+    Node {
+        rotation: start.rotation * cayley(&w_middle),
+        moment: 0.5 * (start.moment + end.moment) + h / 8.0 * (at_start.moment - at_end.moment),
+        force: 0.5 * (start.force + end.force) + h / 8.0 * (at_start.force - at_end.force),
+    }
 }
 
 /// Indices of the ends and the middle among the points of a step.
@@ -191,9 +234,17 @@ pub(super) const MIDDLE: usize = STAGES;
 struct Variation {
     y_y: Matrix3<f64>,
     y_m: Matrix3<f64>,
+    y_n: Matrix3<f64>,
     m_y: Matrix3<f64>,
+    m_m: Matrix3<f64>,
     m_n: Matrix3<f64>,
     n_y: Matrix3<f64>,
+    /// Of p', which nothing else depends on.
+    p_y: Matrix3<f64>,
+    p_m: Matrix3<f64>,
+    p_n: Matrix3<f64>,
+    /// Whether tendons couple shear with bending: otherwise y_n and m_m are zero.
+    coupled: bool,
 }
 
 impl Variation {
@@ -201,18 +252,54 @@ impl Variation {
     fn new(step: &Step, c: usize, factor: f64, softening: f64, node: &Node) -> Self {
         let point = &step.stages[c];
         let section = section_law(step, c, factor, node);
-        let bend = turned(&node.rotation, &(softening * point.bend));
-        let shear = turned(&node.rotation, &(softening * point.shear));
         let (n_hat, p_hat) = (hat(&section.force), hat(&(node.rotation * section.v)));
-        let n_shear = n_hat * shear;
         let following_moment = node.rotation * (factor * step.following_moment);
         let following_force = node.rotation * (factor * step.following_force);
+        let (bend, shear) = (softening * point.bend, softening * point.shear);
+        let mut follow = hat(&following_moment);
+        if step.gravity != Vector3::zeros() {
+            let weighed = hat(&(node.rotation * point.mass_moment));
+            follow -= hat(&(factor * step.gravity)) * weighed;
+        }
+        let n_y = hat(&following_force);
+        let zero = Matrix3::zeros();
+        if step.pulls.is_empty() {
+            let (bend, shear) = (turned(&node.rotation, &bend), turned(&node.rotation, &shear));
+            let n_shear = n_hat * shear;
+            return Variation {
+                y_y: bend * hat(&node.moment),
+                y_m: bend,
+                y_n: zero,
+                m_y: (n_shear * n_hat - n_hat * p_hat) + follow,
+                m_m: zero,
+                m_n: n_shear - p_hat,
+                n_y,
+                p_y: shear * n_hat - p_hat,
+                p_m: zero,
+                p_n: shear,
+                coupled: false,
+            };
+        }
+        let mut pulled = Pulled::default();
+        pulls(step, c, factor).for_each(|pull| pulled.add(&pull, &section.v, &section.u));
+        let to_world = |block: Matrix3<f64>| node.rotation * block * node.rotation.transpose();
+        let blocks =
+            section::compliance(&shear, &bend, &pulled).unwrap_or([Matrix3::from_element(f64::NAN); 4]);
+        let [v_n, v_m, u_n, u_m] = blocks.map(to_world);
+        let m_hat = hat(&node.moment);
+        let p_y = v_n * n_hat + v_m * m_hat - p_hat;
         Variation {
-            y_y: bend * hat(&node.moment),
-            y_m: bend,
-            m_y: (n_shear * n_hat - n_hat * p_hat) + hat(&following_moment),
-            m_n: n_shear - p_hat,
-            n_y: hat(&following_force),
+            y_y: u_m * m_hat + u_n * n_hat,
+            y_m: u_m,
+            y_n: u_n,
+            m_y: n_hat * p_y + follow,
+            m_m: n_hat * v_m,
+            m_n: n_hat * v_n - p_hat,
+            n_y,
+            p_y,
+            p_m: v_m,
+            p_n: v_n,
+            coupled: true,
         }
     }
 
@@ -221,7 +308,9 @@ impl Variation {
         blocks[0][0] = self.y_y;
         blocks[0][1] = self.y_m;
         blocks[1][0] = self.m_y;
+        blocks[1][1] = self.m_m;
         if N > 2 {
+            blocks[0][2] = self.y_n;
             blocks[1][2] = self.m_n;
             blocks[2][0] = self.n_y;
         }
@@ -235,12 +324,59 @@ impl Variation {
         for j in 0..N {
             product[0][j] += a * (self.y_y * k[0][j] + self.y_m * k[1][j]);
             product[1][j] += a * (self.m_y * k[0][j]);
+            if self.coupled {
+                product[1][j] += a * (self.m_m * k[1][j]);
+            }
             if N > 2 {
+                if self.coupled {
+                    product[0][j] += a * (self.y_n * k[2][j]);
+                }
                 product[1][j] += a * (self.m_n * k[2][j]);
                 product[2][j] += a * (self.n_y * k[0][j]);
             }
         }
         product
+    }
+
+    /// Rows of p' applied to a transition.
+    fn displacement(&self, t: &Transition<3>) -> [Matrix3<f64>; 3] {
+        [0, 1, 2].map(|j| self.p_y * t[0][j] + self.p_m * t[1][j] + self.p_n * t[2][j])
+    }
+}
+
+/// d(displacement over a step) over (rotation, moment, force) at its start, from its transition: Simpson's rule, with the
+/// transition to the middle by Hermite's cubic.
+pub(super) fn displacement_transition(
+    step: &Step,
+    factor: f64,
+    softening: f64,
+    start: &Node,
+    end: &Node,
+    transition: &Transition<3>,
+) -> [Matrix3<f64>; 3] {
+    let h = step.length;
+    let variation = |c, node| Variation::new(step, c, factor, softening, node);
+    let middle = middle(step, factor, start, end);
+    let (first, second, third) = (variation(START, start), variation(MIDDLE, &middle), variation(END, end));
+    let identity: Transition<3> = std::array::from_fn(|i| {
+        std::array::from_fn(|j| if i == j { Matrix3::identity() } else { Matrix3::zeros() })
+    });
+    let (slope, end_slope) = (first.blocks::<3>(), third.applied(transition));
+    let half: Transition<3> = std::array::from_fn(|i| {
+        std::array::from_fn(|j| {
+            0.5 * (identity[i][j] + transition[i][j]) + h / 8.0 * (slope[i][j] - end_slope[i][j])
+        })
+    });
+    let (a, b, c) =
+        (first.displacement(&identity), second.displacement(&half), third.displacement(transition));
+    [0, 1, 2].map(|j| h / 6.0 * (a[j] + 4.0 * b[j] + c[j]))
+}
+
+impl Variation {
+    /// H T.
+    fn applied(&self, t: &Transition<3>) -> Transition<3> {
+        let h = self.blocks::<3>();
+        std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| h[i][k] * t[k][j]).sum()))
     }
 }
 
@@ -256,7 +392,8 @@ fn turned(rotation: &Matrix3<f64>, d: &Vector3<f64>) -> Matrix3<f64> {
 
 /// Passes a point load, theory (11): the wrench beyond it lacks what it carries.
 pub(super) fn pass(jump: &Jump, factor: f64, node: &mut Node) {
-    node.moment -= factor * (jump.moment + node.rotation * jump.following_moment);
+    let hung = (node.rotation * jump.hung).cross(&jump.gravity);
+    node.moment -= factor * (jump.moment + hung + node.rotation * jump.following_moment);
     node.force -= factor * (node.rotation * jump.following_force);
 }
 
@@ -267,7 +404,8 @@ pub(super) fn pass_transition<const N: usize>(
     rotation: &Matrix3<f64>,
     transition: &mut Transition<N>,
 ) {
-    let moment = hat(&(rotation * (factor * jump.following_moment)));
+    let weighed = factor * (hat(&jump.gravity) * hat(&(rotation * jump.hung)));
+    let moment = hat(&(rotation * (factor * jump.following_moment))) - weighed;
     let force = hat(&(rotation * (factor * jump.following_force)));
     let turn = transition[0];
     for (entry, y) in transition[1].iter_mut().zip(&turn) {
@@ -358,7 +496,7 @@ pub(super) mod tests {
         let mut chain = Chain::default();
         chain.rebuild(robot);
         let length = 1.0 / count as f64;
-        let step = |i| chain.spans[0].step(robot, i as f64 * length, length);
+        let step = |i| chain.spans[0].step(robot, &[], i as f64 * length, length);
         ((0..count).map(step).collect(), chain.spans[0].jump)
     }
 

@@ -12,6 +12,8 @@ pub(super) struct Search<'a> {
     pub(super) robot: &'a Robot,
     pub(super) settings: &'a Settings,
     pub(super) chain: &'a Chain,
+    /// At the base, per tendon.
+    pub(super) tensions: &'a [f64],
     pub(super) steps_per_span: &'a mut Vec<usize>,
     pub(super) coarse: &'a mut Mesh,
     pub(super) fine: &'a mut Mesh,
@@ -77,7 +79,7 @@ impl Search<'_> {
             self.first_mesh();
             *self.order_factor = UNSEEN_ORDER_FACTOR;
         }
-        self.coarse.rebuild(self.robot, self.chain, self.steps_per_span, intervals);
+        self.coarse.rebuild(self.robot, self.chain, self.tensions, self.steps_per_span, intervals);
         let mut unstable_from = None;
         let arrived = warm && self.newton(Level::Coarse, sweep, 1.0, self.coarse_target(), false).is_ok();
         if !arrived {
@@ -104,6 +106,7 @@ impl Search<'_> {
             let error_estimate = SAFETY * difference / (*self.order_factor - 1.0) + rounding;
             if error_estimate <= tolerance * self.chain.length {
                 self.steps_per_span.iter_mut().for_each(|count| *count /= 2);
+                self.fine.own_states(1.0);
                 return Ok(Found {
                     residual: end.residual,
                     error_estimate,
@@ -199,7 +202,7 @@ impl Search<'_> {
     fn halve_into_fine(&mut self, factor: f64) {
         let intervals = self.settings.shooting_intervals.unwrap_or(usize::MAX);
         self.steps_per_span.iter_mut().for_each(|count| *count *= 2);
-        self.fine.rebuild(self.robot, self.chain, self.steps_per_span, intervals);
+        self.fine.rebuild(self.robot, self.chain, self.tensions, self.steps_per_span, intervals);
         self.fine.prolong(self.coarse, factor, 2);
     }
 

@@ -6,9 +6,10 @@
 //! matrices grow exponentially: beyond node k the free tip means `dw_k = P_k dy_k + q_k`, theory (16).
 
 use super::chain::{Chain, Jump, Step};
+use super::crossing::{Chord, Crossing, cross, own_states};
 use super::rod::{self, Node, Transition};
 use crate::geometry::{cayley, cayley_coordinates};
-use crate::model::Robot;
+use crate::model::{Robot, Routing};
 use crate::numeric::{MAX_UNKNOWNS, eliminate, larger};
 use nalgebra::{Matrix3, Vector3};
 
@@ -21,8 +22,13 @@ pub(super) struct Mesh {
     /// State at the start of each step, and after everything at the tip (steps + 1).
     pub(super) nodes: Vec<Node>,
     pub(super) positions: Vec<Vector3<f64>>,
+    /// The rod's own states, see [`Mesh::own_states`].
+    pub(super) own: Vec<Node>,
     /// Whether a shooting interval starts at the node, so that its state is an unknown of its own.
     starts_interval: Vec<bool>,
+    /// Gaps between plates that straight tendons cross, and the chords in them.
+    crossings: Vec<Crossing>,
+    chords: Vec<Chord>,
     gaps: Vec<Gap>,
     corrections: Vec<Correction>,
     /// What the last correction started from, and the correction itself, so that it can be damped.
@@ -76,13 +82,20 @@ pub(super) struct Linearised {
 
 impl Mesh {
     /// Divides every span of the chain into `per_span` steps; the nodes are kept where their number allows.
-    pub(super) fn rebuild(&mut self, robot: &Robot, chain: &Chain, per_span: &[usize], intervals: usize) {
+    pub(super) fn rebuild(
+        &mut self,
+        robot: &Robot,
+        chain: &Chain,
+        tensions: &[f64],
+        per_span: &[usize],
+        intervals: usize,
+    ) {
         self.steps.clear();
         self.jumps.clear();
         for (span, &count) in chain.spans.iter().zip(per_span) {
             let length = (span.to - span.from) / count as f64;
             for i in 0..count {
-                self.steps.push(span.step(robot, span.from + i as f64 * length, length));
+                self.steps.push(span.step(robot, tensions, span.from + i as f64 * length, length));
                 self.jumps.push(if i + 1 == count { span.jump } else { Jump::default() });
             }
         }
@@ -93,6 +106,7 @@ impl Mesh {
             // node k starts interval i where k = ceil(i count / intervals)
             k == 0 || (k < count && (k * intervals) / count != ((k - 1) * intervals) / count)
         }));
+        self.find_crossings(robot, tensions);
         let base = Node {
             rotation: *robot.base.rotation.matrix(),
             moment: Vector3::zeros(),
@@ -107,12 +121,52 @@ impl Mesh {
         self.tried.resize(count + 1, Gap::default());
     }
 
+    /// Groups the steps between plates; a gap is one step of shooting, which starts an interval.
+    fn find_crossings(&mut self, robot: &Robot, tensions: &[f64]) {
+        self.crossings.clear();
+        self.chords.clear();
+        let same = 1e-9 * robot.length();
+        for pair in robot.plates().windows(2) {
+            let first_chord = self.chords.len();
+            for (tendon, tension) in robot.tendons.iter().zip(tensions) {
+                let end = robot.tendon_end(tendon);
+                if tendon.routing == Routing::Guides && pair[1] <= end + same {
+                    let holes = pair.iter().map(|s| tendon.path.hole(s / end, end).0);
+                    let holes: Vec<Vector3<f64>> = holes.collect();
+                    self.chords.push(Chord { holes: [holes[0], holes[1]], tension: *tension });
+                }
+            }
+            let first = self.steps.partition_point(|step| step.from < pair[0] - same);
+            let beyond = self.steps.partition_point(|step| step.from < pair[1] - same);
+            for k in first + 1..beyond {
+                self.starts_interval[k] = false;
+            }
+            self.starts_interval[first] = true;
+            if beyond < self.steps.len() {
+                self.starts_interval[beyond] = true;
+            }
+            let chords = first_chord..self.chords.len();
+            self.crossings.push(Crossing {
+                first,
+                count: beyond - first,
+                chords,
+                displacement: Vector3::zeros(),
+            });
+        }
+    }
+
     /// Puts every node at rest: no load, no wrench.
     pub(super) fn rest(&mut self) {
         self.nodes[0].moment = Vector3::zeros();
         self.nodes[0].force = Vector3::zeros();
         for k in 0..self.steps.len() {
-            self.nodes[k + 1] = rod::integrate(&self.steps[k], 0.0, &self.nodes[k]).0;
+            let (end, displacement) = rod::integrate(&self.steps[k], 0.0, &self.nodes[k]);
+            self.nodes[k + 1] = end;
+            self.positions[k + 1] = self.positions[k] + displacement;
+        }
+        for crossing in &mut self.crossings {
+            let (first, beyond) = (crossing.first, crossing.first + crossing.count);
+            crossing.displacement = self.positions[beyond] - self.positions[first];
         }
     }
 
@@ -124,6 +178,76 @@ impl Mesh {
             } else {
                 self.nodes[k] = rod::integrate(&self.steps[k - 1], factor, &self.nodes[k - 1]).0;
             }
+        }
+        for (own, other) in self.crossings.iter_mut().zip(&coarse.crossings) {
+            own.displacement = other.displacement;
+        }
+    }
+
+    /// Advances step `k` to the next node, its jump passed. A gap is crossed at its first step, and its other steps do nothing.
+    fn advance<const N: usize>(&mut self, k: usize, factor: f64, softening: f64) -> Advanced<N> {
+        let start = self.nodes[k];
+        let after = self.crossings.partition_point(|crossing| crossing.first <= k);
+        let number = after
+            .checked_sub(1)
+            .filter(|&number| k < self.crossings[number].first + self.crossings[number].count);
+        let Some(number) = number else {
+            return Advanced::Step;
+        };
+        let crossing = &self.crossings[number];
+        if k > crossing.first {
+            return Advanced::Within(start);
+        }
+        let steps = k..k + crossing.count;
+        let crossed = cross::<N>(
+            crossing,
+            &self.chords[crossing.chords.clone()],
+            &self.steps[steps.clone()],
+            &self.jumps[steps.clone()],
+            factor,
+            softening,
+            &start,
+            &self.nodes[steps.end].rotation,
+        );
+        let Some(mut crossed) = crossed else {
+            return Advanced::Crossed {
+                end: not_a_node(),
+                transition: [[Matrix3::from_element(f64::NAN); N]; N],
+            };
+        };
+        let jump = &self.jumps[steps.end - 1];
+        rod::pass_transition(jump, factor, &crossed.end.rotation, &mut crossed.transition);
+        rod::pass(jump, factor, &mut crossed.end);
+        self.crossings[number].displacement = crossed.displacement;
+        self.positions[steps.end] = self.positions[k] + crossed.displacement;
+        Advanced::Crossed { end: crossed.end, transition: crossed.transition }
+    }
+
+    /// Whether tendons run beside the rod in chords.
+    pub(super) fn own_differs(&self) -> bool {
+        !self.crossings.is_empty()
+    }
+
+    /// The rod's own state at the start of every step: where tendons run beside it in chords, the nodes hold the wrench of all.
+    pub(super) fn own_states(&mut self, factor: f64) {
+        self.own.clone_from(&self.nodes);
+        for crossing in &self.crossings {
+            let steps = crossing.first..crossing.first + crossing.count;
+            let (own, positions) = (&mut self.own, &mut self.positions);
+            let start = positions[steps.start];
+            own_states(
+                crossing,
+                &self.chords[crossing.chords.clone()],
+                &self.steps[steps.clone()],
+                &self.jumps[steps.clone()],
+                factor,
+                &self.nodes[steps.start],
+                &self.nodes[steps.end].rotation,
+                |k, node, displacement| {
+                    own[steps.start + k] = node;
+                    positions[steps.start + k] = start + displacement;
+                },
+            );
         }
     }
 
@@ -141,9 +265,15 @@ impl Mesh {
     pub(super) fn residual(&mut self, chain: &Chain, factor: f64) -> f64 {
         let mut largest = 0.0_f64;
         for k in 0..self.steps.len() {
-            let (mut end, displacement) = rod::integrate(&self.steps[k], factor, &self.nodes[k]);
-            rod::pass(&self.jumps[k], factor, &mut end);
-            self.positions[k + 1] = self.positions[k] + displacement;
+            let end = match self.advance::<2>(k, factor, 1.0) {
+                Advanced::Step => {
+                    let (mut end, displacement) = rod::integrate(&self.steps[k], factor, &self.nodes[k]);
+                    rod::pass(&self.jumps[k], factor, &mut end);
+                    self.positions[k + 1] = self.positions[k] + displacement;
+                    end
+                }
+                Advanced::Within(end) | Advanced::Crossed { end, .. } => end,
+            };
             let gap = self.gap(k, &end);
             if self.starts_interval[k + 1] || k + 1 == self.steps.len() {
                 largest = larger(largest, gap.size(chain));
@@ -179,11 +309,18 @@ impl Mesh {
         let count = self.steps.len();
         sweep.transitions.clear();
         for k in 0..count {
-            let (step, start) = (&self.steps[k], &self.nodes[k]);
-            let (mut end, _) = rod::integrate(step, factor, start);
-            let mut transition = rod::transition::<N>(step, factor, softening, start, &end);
-            rod::pass_transition(&self.jumps[k], factor, &end.rotation, &mut transition);
-            rod::pass(&self.jumps[k], factor, &mut end);
+            let (end, transition) = match self.advance::<N>(k, factor, softening) {
+                Advanced::Step => {
+                    let (step, start) = (&self.steps[k], &self.nodes[k]);
+                    let (mut end, _) = rod::integrate(step, factor, start);
+                    let mut transition = rod::transition::<N>(step, factor, softening, start, &end);
+                    rod::pass_transition(&self.jumps[k], factor, &end.rotation, &mut transition);
+                    rod::pass(&self.jumps[k], factor, &mut end);
+                    (end, transition)
+                }
+                Advanced::Within(end) => (end, identity()),
+                Advanced::Crossed { end, transition } => (end, transition),
+            };
             sweep.transitions.push(transition);
             if self.starts_interval[k + 1] {
                 self.gaps[k] = self.gap(k, &end);
@@ -221,6 +358,30 @@ impl Mesh {
             }
         }
     }
+}
+
+/// How a step of the mesh was advanced.
+enum Advanced<const N: usize> {
+    /// A step of its own, still to be integrated.
+    Step,
+    /// A step within a gap: the node after it is that before it.
+    Within(Node),
+    Crossed {
+        end: Node,
+        transition: Transition<N>,
+    },
+}
+
+fn identity<const N: usize>() -> Transition<N> {
+    std::array::from_fn(|i| {
+        std::array::from_fn(|j| if i == j { Matrix3::identity() } else { Matrix3::zeros() })
+    })
+}
+
+/// Where no crossing was found: the iteration counts as diverged.
+fn not_a_node() -> Node {
+    let vector = Vector3::from_element(f64::NAN);
+    Node { rotation: Matrix3::from_element(f64::NAN), moment: vector, force: vector }
 }
 
 impl Gap {
@@ -356,7 +517,7 @@ mod tests {
         let robot = tapered_rod(follower);
         let (mut chain, mut mesh, mut sweep) = (Chain::default(), Mesh::default(), Sweep::<N>::default());
         chain.rebuild(&robot);
-        mesh.rebuild(&robot, &chain, &[STEPS], usize::MAX);
+        mesh.rebuild(&robot, &chain, &[], &[STEPS], usize::MAX);
         mesh.nodes[0].rotation = cayley(turn) * mesh.nodes[0].rotation;
         mesh.rest();
         for _ in 0..ITERATIONS {
@@ -402,7 +563,7 @@ mod tests {
         let off = mesh.nodes[0].moment + Vector3::new(0.02, -0.03, 0.01);
         let tip_moment = |moment: Vector3<f64>| {
             let mut single = Mesh::default();
-            single.rebuild(&robot, &chain, &[STEPS], 1);
+            single.rebuild(&robot, &chain, &[], &[STEPS], 1);
             single.nodes[0].moment = moment;
             single.linearise(&chain, 1.0, 1.0, &mut Sweep::<2>::default());
             (single.gaps[STEPS - 1].moment, single.corrections[0].moment)

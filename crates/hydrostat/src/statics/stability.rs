@@ -31,6 +31,7 @@ impl<'a> SecondVariation<'a> {
     /// Of a solution with `steps` per span.
     pub(super) fn new(
         robot: &Robot,
+        tensions: &[f64],
         chain: &'a Chain,
         solution: &Mesh,
         steps: &[usize],
@@ -46,7 +47,7 @@ impl<'a> SecondVariation<'a> {
         let parts = (of_load / LONGEST_STEP).ceil().clamp(1.0, most) as usize;
         let steps: Vec<usize> = steps.iter().map(|count| count * parts).collect();
         let mut mesh = Mesh::default();
-        mesh.rebuild(robot, chain, &steps, usize::MAX);
+        mesh.rebuild(robot, chain, tensions, &steps, usize::MAX);
         mesh.prolong(solution, 1.0, parts);
         SecondVariation { chain, mesh, sweep }
     }

@@ -6,6 +6,7 @@ use crate::numeric::collocation::{Collocation, FEWEST, MOST};
 use crate::numeric::larger;
 use crate::solution::Station;
 use crate::statics::chain::Chain;
+use crate::statics::section::Pull;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use std::ops::Range;
 
@@ -52,6 +53,14 @@ pub(super) struct Passing {
     pub(super) along: Vector3<f64>,
     /// Its tension over that at the base.
     pub(super) share: f64,
+}
+
+impl Passing {
+    /// Under the tensions at the base.
+    pub(super) fn pull(&self, tensions: &[f64]) -> Pull {
+        let tension = tensions.get(self.tendon).map_or(0.0, |tension| tension * self.share);
+        Pull { hole: self.hole, along: self.along, tension }
+    }
 }
 
 /// The space between two plates with the chords that cross it.

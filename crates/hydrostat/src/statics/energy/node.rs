@@ -2,6 +2,7 @@
 
 use super::mesh::{NodeData, Passing};
 use crate::geometry::{RotationVector, hat};
+use crate::statics::section::Pulled;
 use nalgebra::{Matrix3, Vector3};
 
 /// The shape at a node: rotation vector since the panel's start and its rate, strains, rotation in the world.
@@ -34,9 +35,7 @@ pub(super) struct Acting {
 
 /// Path of a channel tendon at a node: d(path length)/ds, its tangent, body frame.
 pub(super) fn tangent(shape: &Shape, passing: &Passing) -> (f64, Vector3<f64>) {
-    let path = shape.v + shape.u.cross(&passing.hole) + passing.along;
-    let speed = path.norm();
-    (speed, path / speed)
+    passing.pull(&[]).path(&shape.v, &shape.u)
 }
 
 /// A linear form on the variations of a node: of v, of the turn, of its rate, of the panel's start (body), of the force beyond (world).
@@ -80,14 +79,18 @@ pub(super) fn strain_gradient(
     tensions: &[f64],
     shape: &Shape,
 ) -> (Vector3<f64>, Vector3<f64>) {
-    let mut force = data.shear.component_mul(&(shape.v - Vector3::z()));
-    let mut moment = data.bend.component_mul(&(shape.u - data.rest_curvature));
+    let pulled = pulled(passing, tensions, shape);
+    let force = data.shear.component_mul(&(shape.v - Vector3::z()));
+    let moment = data.bend.component_mul(&(shape.u - data.rest_curvature));
+    (force + pulled.force, moment + pulled.moment)
+}
+
+fn pulled(passing: &[Passing], tensions: &[f64], shape: &Shape) -> Pulled {
+    let mut pulled = Pulled::default();
     for tendon in passing {
-        let pull = tensions[tendon.tendon] * tendon.share * tangent(shape, tendon).1;
-        force += pull;
-        moment += tendon.hole.cross(&pull);
+        pulled.add(&tendon.pull(tensions), &shape.v, &shape.u);
     }
-    (force, moment)
+    pulled
 }
 
 /// The energy's gradient at a node per unit weight, theory (31).
@@ -128,21 +131,12 @@ pub(super) fn linearise(
     let mut u_u = data.bend.component_mul(&(shape.u - data.rest_curvature));
     let mut vv = Matrix3::from_diagonal(&(stiffer * data.shear));
     let mut uu = Matrix3::from_diagonal(&(stiffer * data.bend));
-    let mut vu = Matrix3::zeros();
-    for tendon in passing {
-        let tension = tensions[tendon.tendon] * tendon.share;
-        if tension == 0.0 {
-            continue;
-        }
-        let (speed, t) = tangent(shape, tendon);
-        let across = (Matrix3::identity() - t * t.transpose()) * (tension / speed);
-        let turned = across * hat(&tendon.hole);
-        u_v += tension * t;
-        u_u += tendon.hole.cross(&(tension * t));
-        vv += across;
-        vu -= turned;
-        uu -= hat(&tendon.hole) * turned;
-    }
+    let pulled = pulled(passing, tensions, shape);
+    u_v += pulled.force;
+    u_u += pulled.moment;
+    vv += pulled.v_v;
+    uu += pulled.u_u;
+    let vu = pulled.v_u;
     let jacobian = shape.turn.jacobian();
     let b = shape.turn.jacobian_differential(&shape.rate);
     let back = shape.since_start.transpose();

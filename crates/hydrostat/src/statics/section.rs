@@ -1,0 +1,112 @@
+//! What tendons in channels add to the section law.
+
+use crate::geometry::hat;
+use nalgebra::{Matrix3, Matrix6, Vector3};
+
+/// A channel tendon at a cross-section.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Pull {
+    /// r and r', body frame.
+    pub(super) hole: Vector3<f64>,
+    pub(super) along: Vector3<f64>,
+    pub(super) tension: f64,
+}
+
+impl Pull {
+    /// d(path length)/ds and the tangent, body frame, theory (26).
+    pub(super) fn path(&self, v: &Vector3<f64>, u: &Vector3<f64>) -> (f64, Vector3<f64>) {
+        let path = v + u.cross(&self.hole) + self.along;
+        let speed = path.norm();
+        (speed, path / speed)
+    }
+}
+
+/// Force sum tau t and moment sum tau r x t of tendons at a cross-section, body frame, and their derivatives: the second
+/// derivatives of sum tau |v + u x r + r'|.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Pulled {
+    pub(super) force: Vector3<f64>,
+    pub(super) moment: Vector3<f64>,
+    pub(super) v_v: Matrix3<f64>,
+    pub(super) v_u: Matrix3<f64>,
+    pub(super) u_u: Matrix3<f64>,
+}
+
+impl Pulled {
+    pub(super) fn add(&mut self, pull: &Pull, v: &Vector3<f64>, u: &Vector3<f64>) {
+        if pull.tension == 0.0 {
+            return;
+        }
+        let (speed, t) = pull.path(v, u);
+        let force = pull.tension * t;
+        let across = (Matrix3::identity() - t * t.transpose()) * (pull.tension / speed);
+        let turned = across * hat(&pull.hole);
+        self.force += force;
+        self.moment += pull.hole.cross(&force);
+        self.v_v += across;
+        self.v_u -= turned;
+        self.u_u -= hat(&pull.hole) * turned;
+    }
+}
+
+/// Iterations of the section law, and the relative change at which they end.
+const MOST_ITERATIONS: usize = 30;
+const CONVERGED: f64 = 1e-15;
+
+/// The section law with tendons, theory (27): strains under the total force and moment, body frame.
+///
+/// ```text
+/// K_se (v - v*) + sum tau t = force,   K_bt (u - u*) + sum tau r x t = moment
+/// ```
+/// `shear`, `bend` are the diagonals of the compliances. NaN where Newton's method does not end.
+pub(super) fn strains(
+    shear: &Vector3<f64>,
+    bend: &Vector3<f64>,
+    rest_curvature: &Vector3<f64>,
+    pulls: impl Iterator<Item = Pull> + Clone,
+    force: &Vector3<f64>,
+    moment: &Vector3<f64>,
+) -> (Vector3<f64>, Vector3<f64>) {
+    let mut v = Vector3::z();
+    let mut u = *rest_curvature;
+    let mut last = f64::INFINITY;
+    for _ in 0..MOST_ITERATIONS {
+        let mut pulled = Pulled::default();
+        pulls.clone().for_each(|pull| pulled.add(&pull, &v, &u));
+        // in units of strain
+        let off_v = v - Vector3::z() - shear.component_mul(&(force - pulled.force));
+        let off_u = u - rest_curvature - bend.component_mul(&(moment - pulled.moment));
+        let Some(tangent) = compliance(shear, bend, &pulled) else { break };
+        let (stiff_v, stiff_u) = (off_v.component_div(shear), off_u.component_div(bend));
+        let change_v = tangent[0] * stiff_v + tangent[1] * stiff_u;
+        let change_u = tangent[2] * stiff_v + tangent[3] * stiff_u;
+        v -= change_v;
+        u -= change_u;
+        let change = change_v.amax() + change_u.amax() / (1.0 + u.amax());
+        if change <= CONVERGED || change >= last && change < 1e-12 {
+            return (v, u);
+        }
+        last = change;
+    }
+    (Vector3::from_element(f64::NAN), Vector3::from_element(f64::NAN))
+}
+
+/// Blocks v-n, v-m, u-n, u-m of the inverse of the tangent stiffness.
+pub(super) fn compliance(
+    shear: &Vector3<f64>,
+    bend: &Vector3<f64>,
+    pulled: &Pulled,
+) -> Option<[Matrix3<f64>; 4]> {
+    let mut tangent = Matrix6::zeros();
+    tangent
+        .fixed_view_mut::<3, 3>(0, 0)
+        .copy_from(&(pulled.v_v + Matrix3::from_diagonal(&shear.map(f64::recip))));
+    tangent.fixed_view_mut::<3, 3>(0, 3).copy_from(&pulled.v_u);
+    tangent.fixed_view_mut::<3, 3>(3, 0).copy_from(&pulled.v_u.transpose());
+    tangent
+        .fixed_view_mut::<3, 3>(3, 3)
+        .copy_from(&(pulled.u_u + Matrix3::from_diagonal(&bend.map(f64::recip))));
+    let inverse = tangent.try_inverse()?;
+    let block = |i, j| inverse.fixed_view::<3, 3>(i, j).into_owned();
+    Some([block(0, 0), block(0, 3), block(3, 0), block(3, 3)])
+}
