@@ -135,7 +135,7 @@ pub(super) fn cross<const N: usize>(
     steps: &[Step],
     jumps: &[Jump],
     factor: f64,
-    softening: f64,
+    asked: f64,
     start: &Node,
     guess: &Matrix3<f64>,
 ) -> Option<Crossed<N>> {
@@ -143,7 +143,10 @@ pub(super) fn cross<const N: usize>(
     let mut second = *guess;
     let length: f64 = steps.iter().map(|step| step.length).sum();
     let mut last = f64::INFINITY;
+    let mut arrived = false;
     for _ in 0..MOST_ITERATIONS {
+        // the softened transition is asked for at the shape that has been found, and is no help in finding it
+        let softening = if arrived { asked } else { 1.0 };
         let carried = Chords::new(chords, factor, &start.rotation, &displacement, &second);
         let own = Node {
             rotation: start.rotation,
@@ -190,7 +193,13 @@ pub(super) fn cross<const N: usize>(
         if !size.is_finite() {
             return None;
         }
-        if size <= CONVERGED || size >= last && size < 1e-11 {
+        if !arrived && (size <= CONVERGED || size >= last && size < 1e-11) {
+            arrived = true;
+            if asked != 1.0 {
+                continue;
+            }
+        }
+        if arrived {
             return Some(Crossed {
                 end: Node {
                     rotation: end.rotation,

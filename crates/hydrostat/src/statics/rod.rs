@@ -170,7 +170,9 @@ pub(super) fn integrate(step: &Step, factor: f64, start: &Node) -> (Node, Vector
             force += b * n_rate[stage];
         }
     }
-    let end = Node { rotation: frame * cayley(&w), moment: frame * moment, force: frame * force };
+    // a force that nothing changes stays what it is, whatever rounding does to the frame
+    let force = if step.follows { frame * force } else { start.force };
+    let end = Node { rotation: frame * cayley(&w), moment: frame * moment, force };
     (end, frame * position)
 }
 

@@ -219,7 +219,10 @@ impl Mesh {
         rod::pass_transition(jump, factor, &crossed.end.rotation, &mut crossed.transition);
         rod::pass(jump, factor, &mut crossed.end);
         self.crossings[number].displacement = crossed.displacement;
-        self.positions[steps.end] = self.positions[k] + crossed.displacement;
+        // only plates have a place before the rod's own states are known
+        let start = self.positions[k];
+        self.positions[k + 1..steps.end].fill(start);
+        self.positions[steps.end] = start + crossed.displacement;
         Advanced::Crossed { end: crossed.end, transition: crossed.transition }
     }
 
@@ -463,7 +466,10 @@ impl<const N: usize> Sweep<N> {
                 // no feedback closes the gap here: the iteration counts as diverged
                 rows = [[f64::NAN; MAX_UNKNOWNS + 4]; MAX_UNKNOWNS];
             }
-            negative += if N == 2 {
+            let within_gap = t[0][1] == Matrix3::zeros();
+            negative += if within_gap {
+                0
+            } else if N == 2 {
                 let left = t[1][1] - beyond.moment * t[0][1];
                 negative_eigenvalues(&t[0][1].tr_mul(&left))
             } else {
