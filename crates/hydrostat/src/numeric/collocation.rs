@@ -39,6 +39,11 @@ impl Collocation {
     pub fn inner(&self, j: usize, t: f64) -> f64 {
         lagrange(&self.points, j, t).0
     }
+
+    /// Its derivative.
+    pub fn inner_slope(&self, j: usize, t: f64) -> f64 {
+        lagrange(&self.points, j, t).1
+    }
 }
 
 /// The j-th Lagrange polynomial on `nodes` and its derivative at `t`.

@@ -193,7 +193,8 @@ impl Chain {
     /// Collects point and distributed loads on the spans, tip to base.
     fn apply_loads(&mut self, robot: &Robot) {
         self.follower = false;
-        self.conservative = true;
+        // friction takes energy away
+        self.conservative = robot.tendons.iter().all(|tendon| tendon.friction == 0.0);
         let spans = &mut self.spans;
         let same = SAME_PLACE * self.length;
         let span_ending_at =

@@ -48,7 +48,7 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Settings {
-            method: Method::Shooting,
+            method: Method::Energy,
             tolerance: 1e-9,
             stations: 101,
             shooting_intervals: None,

@@ -2,7 +2,7 @@
 
 use super::mesh::Layout;
 use super::newton::{Converged, Equations, Stuck};
-use super::{Energy, tendons};
+use super::{Energy, Memory, friction, tendons};
 use crate::numeric::collocation::MOST;
 use crate::numeric::larger;
 use crate::solution::{Station, TendonState};
@@ -46,6 +46,9 @@ const MOST_WORK: usize = 2_000_000;
 const SNAP: f64 = 1e-3;
 const MOST_SNAPS: usize = 20;
 const MOST_BISECTIONS: usize = 6;
+/// Turns of Newton's method and friction, and a change of the shares that has not become small enough.
+const MOST_TURNS: usize = 200;
+const SLOW: f64 = 0.7;
 /// Accuracy on the way to the full load: enough to start the next step.
 const ON_THE_WAY: f64 = 1e-7;
 
@@ -188,11 +191,29 @@ impl Search<'_> {
         tendons::measure(coarse, &memory.sweep, &mut memory.drive.home, self.robot.tendons.len());
     }
 
-    /// Newton's method on the coarse mesh.
+    /// Newton's method on the coarse mesh; with friction in turns with the tensions along the tendons.
     fn newton(&mut self, factor: f64, target: f64) -> Result<Converged, Stuck> {
-        let Energy { tables, coarse, memory, .. } = &mut *self.energy;
-        let equations = Equations { robot: self.robot, chain: self.chain, tables, factor };
-        equations.newton(memory, coarse, target, &mut self.iterations)
+        let rubs = self.robot.tendons.iter().any(|tendon| tendon.friction > 0.0);
+        let (mut part, mut last) = (1.0, f64::INFINITY);
+        for _ in 0..MOST_TURNS {
+            let Energy { tables, coarse, memory, .. } = &mut *self.energy;
+            let equations = Equations { robot: self.robot, chain: self.chain, tables, factor };
+            let converged = equations.newton(memory, coarse, target, &mut self.iterations)?;
+            if !rubs {
+                return Ok(converged);
+            }
+            let Memory { sweep, drive, .. } = memory;
+            let (means, ends) = (&mut drive.mean_shares, &mut drive.end_shares);
+            let change = friction::update(self.robot, coarse, sweep, tables, part, means, ends);
+            if change <= target {
+                return Ok(converged);
+            }
+            if change > SLOW * last {
+                part *= 0.5;
+            }
+            last = change;
+        }
+        Err(Stuck { correction: last })
     }
 
     /// Follows the primary branch as the loads grow from 0 to 1. Returns the part at which it first turned unstable.
@@ -389,7 +410,7 @@ impl Energy {
         let state = |(i, tendon): (usize, &crate::model::Tendon)| TendonState {
             name: tendon.name.clone(),
             tension: drive.tensions[i],
-            tip_tension: drive.tensions[i],
+            tip_tension: drive.tensions[i] * drive.end_shares.get(i).unwrap_or(&1.0),
             displacement: drive.home[i] - drive.lengths[i] + drive.compliance(robot, i) * drive.tensions[i],
             length: drive.lengths[i],
             slack: drive.held.iter().zip(&drive.taut).any(|(held, taut)| *held == i && !taut),

@@ -19,6 +19,9 @@ pub(super) struct Drive {
     pub(super) held: Vec<usize>,
     pub(super) taut: Vec<bool>,
     pub(super) springs: Springs,
+    /// Average tension and that at the end over that at the base, per tendon; empty without friction.
+    pub(super) mean_shares: Vec<f64>,
+    pub(super) end_shares: Vec<f64>,
 }
 
 /// Springs that stand for the held tendons while the shape is far from an equilibrium.
@@ -61,9 +64,10 @@ impl Drive {
         }
     }
 
-    /// Stretch per tension of a tendon, m/N.
+    /// Stretch of a tendon per tension at the base, m/N.
     pub(super) fn compliance(&self, robot: &Robot, tendon: usize) -> f64 {
-        robot.tendons[tendon].stiffness.map_or(0.0, |stiffness| self.home[tendon] / stiffness)
+        let mean = self.mean_shares.get(tendon).unwrap_or(&1.0);
+        robot.tendons[tendon].stiffness.map_or(0.0, |stiffness| mean * self.home[tendon] / stiffness)
     }
 
     /// How much longer a held tendon is than its command and stretch allow.
@@ -120,7 +124,7 @@ pub(super) fn length_form(mesh: &Mesh, sweep: &Sweep, tendon: usize, shares: boo
 
 impl Mesh {
     /// From hole to hole across a gap, world frame.
-    fn chord(&self, gap: &super::mesh::Gap, holes: &[Vector3<f64>; 2]) -> Vector3<f64> {
+    pub(super) fn chord(&self, gap: &super::mesh::Gap, holes: &[Vector3<f64>; 2]) -> Vector3<f64> {
         let (a, b) = (gap.panels.start, gap.panels.end);
         self.positions[b] - self.positions[a] + self.rotations[b] * holes[1] - self.rotations[a] * holes[0]
     }
