@@ -153,7 +153,7 @@ impl Equations<'_> {
             let off = if tensions[i] > 0.0 { excess[i].abs() } else { excess[i].max(0.0) };
             held.residual = larger(held.residual, off / self.chain.length);
         }
-        linear.step.size = linear.step.largest_turn(sweep, mesh);
+        linear.step.size = linear.step.largest(sweep, mesh);
         held
     }
 
@@ -183,7 +183,7 @@ impl Equations<'_> {
         for _ in 0..MAX_ITERATIONS {
             let now = self.linearise(memory, mesh, 0.0);
             *iterations += 1;
-            let contraction = now.correction / last;
+            let contraction = if now.correction > 0.0 { now.correction / last } else { 0.0 };
             let rounding = now.correction <= ROUNDING_CORRECTION && contraction > CONTRACTION;
             let first = last == f64::INFINITY && now.correction.is_finite();
             let Some(negative) = now.negative.filter(|_| first || rounding || contraction <= CONTRACTION)

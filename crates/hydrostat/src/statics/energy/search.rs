@@ -41,7 +41,7 @@ const UNSTABLE_BELOW: f64 = 1.0 / 4096.0;
 const SMALLEST_LOAD_STEP: f64 = 1.0 / 65_536.0;
 const SMALLEST_LOAD: f64 = 1e-9;
 /// A search gives up after so many nodes linearised.
-const MOST_WORK: usize = 2_000_000;
+const MOST_WORK: usize = 1_000_000;
 /// By how much the loads grow where the robot snaps, and how often it may.
 const SNAP: f64 = 1e-3;
 const MOST_SNAPS: usize = 20;
@@ -223,12 +223,12 @@ impl Search<'_> {
         let mut unstable_from = None;
         self.energy.reached.clone_from(&self.energy.coarse);
         let mut tensions = self.energy.memory.drive.tensions.clone();
-        let (mut work, mut snaps) = (0, 0);
+        let mut snaps = 0;
         while reached < 1.0 {
             let factor = (reached + step).min(1.0);
             let part = (factor - reached) / factor;
             let outcome = self.newton(factor, ON_THE_WAY);
-            work += self.energy.coarse.data.len();
+            let work = self.iterations * self.energy.coarse.data.len();
             let strayed = outcome.is_ok() && self.turned() > LARGEST_LOAD_TURN;
             let unstable = matches!(outcome, Ok(end) if end.negative > 0) && unstable_from.is_none();
             if outcome.is_ok() && !strayed && (!unstable || part < UNSTABLE_BELOW) {
@@ -244,7 +244,10 @@ impl Search<'_> {
                 self.energy.coarse.clone_from(&self.energy.reached);
                 self.energy.memory.drive.tensions.clone_from(&tensions);
                 step *= 0.5;
-                if step < SMALLEST_LOAD_STEP * factor.max(SMALLEST_LOAD) || work > MOST_WORK {
+                if work > MOST_WORK {
+                    return Err(self.not_converged(reached, &outcome.err().unwrap_or_default()));
+                }
+                if step < SMALLEST_LOAD_STEP * factor.max(SMALLEST_LOAD) {
                     // the branch ends here: the robot snaps to a minimum of its energy
                     let beyond = (reached * (1.0 + SNAP)).clamp(SMALLEST_LOAD, 1.0);
                     let way = self.snap(beyond, &mut snaps);

@@ -80,7 +80,7 @@ pub(super) struct Step {
     pub(super) v: Vec<Vector3<f64>>,
     /// Rotations of the cuts, body frame.
     pub(super) cuts: Vec<Vector3<f64>>,
-    /// Largest rotation of a node, rad.
+    /// Largest rotation of a node, rad, or change of its v.
     pub(super) size: f64,
 }
 
@@ -141,14 +141,14 @@ impl Step {
         }
     }
 
-    /// Largest rotation of a node or cut, rad.
-    pub(super) fn largest_turn(&self, sweep: &Sweep, mesh: &Mesh) -> f64 {
+    /// Largest rotation of a node or cut, rad, or change of v.
+    pub(super) fn largest(&self, sweep: &Sweep, mesh: &Mesh) -> f64 {
         let mut largest = self.cuts.iter().map(Vector3::norm).fold(0.0, larger);
         for (panel, start) in mesh.panels.iter().zip(&self.cuts) {
             for node in panel.nodes.clone() {
                 let shape = &sweep.shapes[node];
                 let turned = shape.since_start.tr_mul(start) + shape.turn.jacobian() * self.turn[node];
-                largest = larger(largest, turned.norm());
+                largest = larger(largest, larger(turned.norm(), self.v[node].norm()));
             }
         }
         largest
@@ -567,7 +567,7 @@ impl Sweep {
                 step.v[node] = model.recover_v(&(right.nodes[node].v / mesh.data[node].weight), &solved);
                 let shape = &self.shapes[node];
                 let turned = shape.since_start.tr_mul(&start) + shape.turn.jacobian() * turn;
-                step.size = larger(step.size, turned.norm());
+                step.size = larger(step.size, larger(turned.norm(), step.v[node].norm()));
             }
             let turned: Vector3<f64> =
                 table.end.iter().zip(&step.turn[panel.nodes.clone()]).map(|(e, turn)| *e * turn).sum();
