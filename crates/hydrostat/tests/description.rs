@@ -1,5 +1,6 @@
 //! What the readers make of valid files, and that no text makes them panic.
 
+use hydrostat::Error;
 use hydrostat::description::{builtin, parse_experiment, parse_robot, quantity, templates};
 use hydrostat::model::{CrossSection, Frame, LoadKind};
 use hydrostat::verify::Varied;
@@ -188,7 +189,7 @@ fn templates_are_accepted_under_any_name() {
 
 #[test]
 #[expect(clippy::print_stderr, reason = "a skipped test says so")]
-fn reference_cases_without_tendons_are_accepted() {
+fn reference_cases_are_accepted() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/reference_cases");
     let Ok(entries) = std::fs::read_dir(&folder) else {
         eprintln!("skipped: no {}", folder.display());
@@ -202,10 +203,10 @@ fn reference_cases_without_tendons_are_accepted() {
             continue;
         };
         let parsed = parse_robot(&std::fs::read_to_string(&path).expect("readable"), name);
-        match parsed {
-            Ok(parsed) => assert_eq!(parsed.warnings, [], "{name}"),
-            Err(error) => assert!(error.message().starts_with("tendons come"), "{error}"),
-        }
+        let parsed = parsed.expect("is valid");
+        // one of them has a tendon inside its thick backbone
+        let inside = |warning: &Error| warning.message().contains("inside the backbone");
+        assert!(parsed.warnings.iter().all(inside), "{name}: {:?}", parsed.warnings);
         rods += usize::from(name.starts_with('r'));
     }
     assert!(rods > 0);

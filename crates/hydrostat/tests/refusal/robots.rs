@@ -124,24 +124,6 @@ hint: known keys here: youngs_modulus, poisson_ratio, shear_modulus, density, st
   |           ^^^^^^
 "#;
 
-    tendons "# more" => r#"[[tendon]]
-name = "a""#, r#"tendons come with a later version; this one solves rods under loads
-  --> rod.toml:24:1, key tendon
-   |
-24 | [[tendon]]
-   | ^^^^^^^^^^
-hint: take the tables [[tendon]] and [actuation] out
-"#;
-
-    actuation "# more" => r#"[actuation]
-tension = { a = "2 N" }"#, r#"tendons come with a later version; this one solves rods under loads
-  --> rod.toml:24:1, key actuation
-   |
-24 | [actuation]
-   | ^^^^^^^^^^^
-hint: take the tables [[tendon]] and [actuation] out
-"#;
-
     syntax r#""390 mm""# => "390 mm", r#"not TOML: string values must be quoted, expected literal string
   --> rod.toml:16:10
    |

@@ -256,6 +256,26 @@ impl Mesh {
         Sample { panel: k, position, rotation, v, u }
     }
 
+    /// Rotation and v at `s` in panel `k`.
+    pub(super) fn rotation_and_v(&self, tables: &Tables, k: usize, s: f64) -> (Matrix3<f64>, Vector3<f64>) {
+        let panel = &self.panels[k];
+        let t = ((s - panel.from) / panel.length).clamp(0.0, 1.0);
+        let (rotation, v, _) = self.within(panel, tables.of(panel.nodes.len()), &self.rotations[k], t);
+        (rotation, v)
+    }
+
+    /// Tension of a channel tendon at `s` in panel `k` over that at the base.
+    pub(super) fn share(&self, tables: &Tables, k: usize, tendon: usize, s: f64) -> f64 {
+        let panel = &self.panels[k];
+        let table = tables.of(panel.nodes.len());
+        let t = ((s - panel.from) / panel.length).clamp(0.0, 1.0);
+        let of = |node: usize| {
+            let passing = &self.passing[self.data[node].passing.clone()];
+            passing.iter().find(|passing| passing.tendon == tendon).map_or(1.0, |passing| passing.share)
+        };
+        panel.nodes.clone().enumerate().map(|(j, node)| table.inner(j, t) * of(node)).sum()
+    }
+
     /// v and u at a fraction of a panel.
     pub(super) fn strains(&self, tables: &Tables, panel: &Panel, t: f64) -> (Vector3<f64>, Vector3<f64>) {
         let (_, v, u) = self.within(panel, tables.of(panel.nodes.len()), &Matrix3::identity(), t);

@@ -3,11 +3,13 @@
 use super::mesh::Layout;
 use super::newton::{Converged, Equations, Stuck};
 use super::{Energy, Memory, friction, tendons};
+use crate::model::Routing;
 use crate::numeric::collocation::MOST;
 use crate::numeric::larger;
 use crate::solution::{Station, TendonState};
 use crate::statics::Settings;
 use crate::statics::chain::Chain;
+use crate::statics::section::{self, Pull};
 use crate::{Error, Robot};
 use nalgebra::{Matrix3, Vector3};
 
@@ -349,10 +351,16 @@ impl Search<'_> {
         error_estimate: f64,
         unstable_from: Option<f64>,
     ) -> Result<Found, Error> {
-        let negative = end.negative;
+        // at the last shape, not at the one before the last step
+        let Energy { tables, coarse, memory, .. } = &mut *self.energy;
+        let equations = Equations { robot: self.robot, chain: self.chain, tables, factor: 1.0 };
+        let taut = memory.drive.taut.clone();
+        let last = equations.linearise(memory, coarse, 0.0);
+        memory.drive.taut = taut;
+        let negative = last.negative.unwrap_or(end.negative);
         let smallest_eigenvalue = self.settings.eigenvalue.then(|| self.smallest_eigenvalue());
         Ok(Found {
-            residual: end.residual,
+            residual: last.residual,
             error_estimate,
             negative,
             smallest_eigenvalue,
@@ -421,22 +429,56 @@ impl Energy {
         robot.tendons.iter().enumerate().map(state).collect()
     }
 
-    /// The state at `s`, on the base side of a jump.
+    /// The state at `s`, on the base side of a jump: the shape by its polynomial, the strains by the section law from the
+    /// wrench, which is more accurate than their polynomial.
     pub(in crate::statics) fn station(&self, robot: &Robot, chain: &Chain, s: f64) -> Station {
-        let sample = self.coarse.at(&self.tables, s);
-        let span = &chain.spans[self.coarse.panels[sample.panel].span];
+        let Energy { tables, coarse, memory, .. } = self;
+        let sample = coarse.at(tables, s);
+        let panel = &coarse.panels[sample.panel];
+        let span = &chain.spans[panel.span];
         let section = &robot.sections[span.section];
+        let table = tables.of(panel.nodes.len());
+        // the moment from that at the panel's end, m' = -p' x n - l
+        let chords = memory.sweep.chord_force(panel);
+        let rest = (panel.from + panel.length - s).max(0.0);
+        let mut moment = coarse.rotations[sample.panel + 1] * memory.sweep.end_moment(sample.panel);
+        for (point, weight) in table.points.iter().zip(&table.weights) {
+            let at = s + point * rest;
+            let (rotation, v) = coarse.rotation_and_v(tables, sample.panel, at);
+            let weighed = (rotation * span.mass_moment(robot, at)).cross(&robot.gravity);
+            let force = span.dead_force(robot, at) + chords;
+            moment += (weight * rest) * ((rotation * v).cross(&force) + span.moment_per_length + weighed);
+        }
+        let force = span.dead_force(robot, s) + chords;
         let (shear, bend) = section.stiffness(span.fraction(robot, s));
-        let force = shear.component_mul(&(sample.v - Vector3::z()));
-        let moment = bend.component_mul(&(sample.u - section.rest_curvature));
+        let drive = &memory.drive;
+        let middle = 0.5 * (span.from + span.to);
+        let pulls = robot.tendons.iter().enumerate().filter_map(|(i, tendon)| {
+            let end = robot.tendon_end(tendon);
+            (tendon.routing == Routing::Channel && middle < end).then(|| {
+                let (hole, along) = tendon.path.hole(s / end, end);
+                let share = coarse.share(tables, sample.panel, i, s);
+                Pull { hole, along, tension: drive.tensions[i] * share }
+            })
+        });
+        let (v, u) = section::strains(
+            &shear.map(f64::recip),
+            &bend.map(f64::recip),
+            &section.rest_curvature,
+            pulls,
+            &sample.rotation.tr_mul(&force),
+            &sample.rotation.tr_mul(&moment),
+        );
+        // a section law without an answer leaves the polynomial's
+        let (v, u) = if u.x.is_nan() { (sample.v, sample.u) } else { (v, u) };
         Station {
             s,
             position: sample.position,
             rotation: sample.rotation,
-            v: sample.v,
-            u: sample.u,
-            force: sample.rotation * force,
-            moment: sample.rotation * moment,
+            v,
+            u,
+            force: sample.rotation * shear.component_mul(&(v - Vector3::z())),
+            moment: sample.rotation * bend.component_mul(&(u - section.rest_curvature)),
         }
     }
 

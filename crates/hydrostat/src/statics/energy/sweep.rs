@@ -42,6 +42,8 @@ pub(super) struct Sweep {
     fronts: Vec<f64>,
     starts: Vec<usize>,
     ends: Vec<End>,
+    /// Internal moment at the end of each panel, on its base side, body frame.
+    moments: Vec<Vector3<f64>>,
     gaps: Vec<GapFront>,
     /// Right-hand sides on their way through the fronts.
     right: Vec<f64>,
@@ -230,6 +232,7 @@ impl Sweep {
                 // the energy's slope in d is what the chords carry, and closes by itself
                 gradient.gaps[number][1] = of.first_plate;
             }
+            self.moments[k] = -slope;
             let eliminated =
                 self.eliminate_panel(problem, mesh, k, shift, &mut carried, &mut slope, gradient);
             residual = larger(residual, eliminated.1);
@@ -266,6 +269,7 @@ impl Sweep {
             right += size;
             self.ends.push(End { across: Matrix3::identity(), jacobian: Matrix3::identity() });
         }
+        self.moments.resize(mesh.panels.len(), Vector3::zeros());
         self.fronts.resize(at, 0.0);
         self.right.resize(right, 0.0);
         self.gaps.clear();
@@ -458,6 +462,16 @@ impl Sweep {
             }
         }
         (negative, largest)
+    }
+
+    /// Internal moment at the end of a panel, on its base side, body frame, as [`Sweep::factor`] found it.
+    pub(super) fn end_moment(&self, k: usize) -> Vector3<f64> {
+        self.moments[k]
+    }
+
+    /// Force that the chords beside a panel take from the backbone, world frame.
+    pub(super) fn chord_force(&self, panel: &Panel) -> Vector3<f64> {
+        panel.gap.map_or(Vector3::zeros(), |gap| self.gaps[gap].force)
     }
 
     /// Solves with the factors: Hessian x step = right.
