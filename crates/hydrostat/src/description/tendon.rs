@@ -212,13 +212,12 @@ pub(super) fn read_actuation(
             commands[tendon] = command.map_err(|error| error.at(entry.node.place()))?;
             if let (Command::Tension { tension, .. }, Some(limit)) =
                 (commands[tendon], tendons[tendon].breaking_load)
+                && tension > limit
             {
-                if tension > limit {
-                    let (tension, limit) = (rounded(tension), rounded(limit));
-                    warnings.push(entry.node.error(format!(
-                        "a tension of {tension} N is above the tendon's breaking load of {limit} N"
-                    )));
-                }
+                let (tension, limit) = (rounded(tension), rounded(limit));
+                warnings.push(entry.node.error(format!(
+                    "a tension of {tension} N is above the tendon's breaking load of {limit} N"
+                )));
             }
         }
     }

@@ -61,14 +61,14 @@ mod tests {
         });
         let right = DVector::from_fn(size, |i, _| (i as f64).cos());
         let mut front: Vec<f64> = full.transpose().iter().copied().collect();
-        let negative = eliminate(&mut front, size, pivots).unwrap();
+        let negative = eliminate(&mut front, size, pivots).expect("no pivot is zero");
         let block = full.view((0, 0), (pivots, pivots)).into_owned();
         assert_eq!(negative, block.symmetric_eigenvalues().iter().filter(|value| **value < 0.0).count());
         // finish with the rest
         let mut x: Vec<f64> = right.iter().copied().collect();
         forward(&front, size, pivots, &mut x);
         let rest = DMatrix::from_fn(2, 2, |i, j| front[(pivots + i) * size + pivots + j]);
-        let solved = rest.lu().solve(&DVector::from_column_slice(&x[pivots..])).unwrap();
+        let solved = rest.lu().solve(&DVector::from_column_slice(&x[pivots..])).expect("is regular");
         x[pivots..].copy_from_slice(solved.as_slice());
         backward(&front, size, pivots, &mut x);
         assert!((full * DVector::from_vec(x) - right).norm() < 1e-12);

@@ -62,7 +62,7 @@ mod tests {
         let a = DMatrix::from_fn(5, 4, |i, j| ((3 * i + 7 * j) as f64).sin());
         let s = a.tr_mul(&a);
         let b = DVector::from_vec(vec![1.0, -2.0, 0.5, 0.7]);
-        let x = minimise(&s, &b).unwrap();
+        let x = minimise(&s, &b).expect("ends");
         let slope = &b - &s * &x;
         assert!(x.iter().any(|x| *x > 0.0));
         for (x, slope) in x.iter().zip(slope.iter()) {

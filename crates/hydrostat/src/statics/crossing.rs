@@ -104,6 +104,7 @@ fn rod_of<'a>(
 }
 
 /// The rod's own state at the start of every step of a gap, with the displacement since the first plate.
+#[allow(clippy::too_many_arguments, reason = "the parts of a mesh, which the caller has borrowed")]
 pub(super) fn own_states(
     crossing: &Crossing,
     chords: &[Chord],
@@ -129,6 +130,7 @@ pub(super) fn own_states(
 
 /// Crosses a gap from the total wrench at its first plate; the mesh's node at the second is the first guess. None where
 /// Newton's method does not end.
+#[allow(clippy::too_many_arguments, reason = "the parts of a mesh, which the caller has borrowed")]
 pub(super) fn cross<const N: usize>(
     crossing: &Crossing,
     chords: &[Chord],
@@ -245,9 +247,9 @@ fn through<const N: usize>(
             let moved = -inverse * off;
             let plate =
                 [moved.fixed_view::<3, 3>(0, 0).into_owned(), moved.fixed_view::<3, 3>(3, 0).into_owned()];
-            for k in 0..2 {
-                own[1] -= carried.moments_by[0][k + 1] * plate[k];
-                own[2] -= carried.force_by[k + 1] * plate[k];
+            for (k, plate) in plate.iter().enumerate() {
+                own[1] -= carried.moments_by[0][k + 1] * plate;
+                own[2] -= carried.force_by[k + 1] * plate;
             }
             let mut end = along(&t[row], &own);
             let by = match row {
@@ -258,9 +260,7 @@ fn through<const N: usize>(
             if input == 0 {
                 end += by[0];
             }
-            for k in 0..2 {
-                end += by[k + 1] * plate[k];
-            }
+            end += by[1] * plate[0] + by[2] * plate[1];
             end
         })
     })

@@ -14,7 +14,7 @@ const MOST_ITERATIONS: usize = 40;
 /// Lengths agree to this part of the tolerance of positions.
 const LENGTH_TOLERANCE: f64 = 0.1;
 /// Differences of tensions that bend the robot by about this angle.
-const DIFFERENCE: f64 = 1e-4;
+const DIFFERENCE: f64 = 3e-3;
 
 /// Shoots under the commanded tensions, and finds those of the held tendons by Newton's method with differences.
 pub(super) fn solve(
@@ -45,7 +45,9 @@ pub(super) fn solve(
     }
     let home = home_lengths(robot, workspace);
     let mut lengths = lengths(robot, workspace);
-    let quick = Settings { eigenvalue: false, ..settings.clone() };
+    // differences of lengths lose digits
+    let tolerance = (0.01 * settings.tolerance).max(1e-12);
+    let quick = Settings { eigenvalue: false, tolerance, ..settings.clone() };
     for _ in 0..MOST_ITERATIONS {
         let tensions = workspace.tensions.clone();
         let excess: Vec<f64> =
@@ -62,12 +64,15 @@ pub(super) fn solve(
         for (column, &j) in held.iter().enumerate() {
             let arm = robot.tendons[j].path.radius.max(1e-3 * workspace.chain.length);
             let change = DIFFERENCE * workspace.chain.stiffness / (arm * workspace.chain.length);
-            workspace.tensions[j] = tensions[j] + change;
-            shoot(robot, &quick, workspace, true)?;
-            let changed = self::lengths(robot, workspace);
+            let mut at = |tension: f64| -> Result<Vec<f64>, Error> {
+                workspace.tensions[j] = tension;
+                shoot(robot, &quick, workspace, true)?;
+                Ok(self::lengths(robot, workspace))
+            };
+            let (ahead, behind) = (at(tensions[j] + change)?, at(tensions[j] - change)?);
             workspace.tensions[j] = tensions[j];
             for (row, &i) in held.iter().enumerate() {
-                s[(row, column)] = (lengths[i] - changed[i]) / change;
+                s[(row, column)] = (behind[i] - ahead[i]) / (2.0 * change);
             }
             s[(column, column)] += compliance(robot, j, home[j]);
         }
