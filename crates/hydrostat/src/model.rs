@@ -207,6 +207,9 @@ impl Robot {
     pub fn plates(&self) -> Vec<f64> {
         let guided = || self.tendons.iter().filter(|tendon| tendon.routing == Routing::Guides);
         let last = guided().map(|tendon| self.tendon_end(tendon)).fold(0.0, f64::max);
+        if guided().next().is_none() {
+            return Vec::new();
+        }
         let mut plates = vec![0.0];
         plates.extend(guided().map(|tendon| self.tendon_end(tendon)));
         let mut start = 0.0;
@@ -219,7 +222,7 @@ impl Robot {
         plates.retain(|&plate| plate <= last + same);
         plates.sort_by(f64::total_cmp);
         plates.dedup_by(|later, kept| *later - *kept <= same);
-        if last > 0.0 { plates } else { Vec::new() }
+        plates
     }
 }
 

@@ -26,7 +26,7 @@ const STEEP_STEPS: f64 = 100_000.0;
 
 fn settings(shooting_intervals: Option<usize>) -> Settings {
     let tolerance = if shooting_intervals == Some(1) { SINGLE_TOLERANCE } else { TOLERANCE };
-    Settings { tolerance, shooting_intervals, eigenvalue: false, ..Settings::default() }
+    Settings { tolerance, shooting_intervals, eigenvalue: false, ..shooting() }
 }
 
 /// The rod of the thesis with each mass of its table.
@@ -274,7 +274,7 @@ fn stiff_and_thin_rods_converge_or_say_why() {
         silicone(3.0),
     ];
     for (i, robot) in rods.iter().enumerate() {
-        match solve(robot, &Settings::default()) {
+        match solve(robot, &shooting()) {
             Ok(found) => {
                 let defect = between_stations(robot, &found);
                 assert!(defect < BALANCED, "rod {i}, {}: defect {defect:.1e}", robot.name);
@@ -298,4 +298,9 @@ fn between_stations(robot: &Robot, found: &Equilibrium) -> f64 {
         (end.p - pair[1].position).norm() / length + off / wrench
     });
     jumps.fold(0.0, |largest, jump| if largest >= jump { largest } else { jump })
+}
+
+/// This file is about the shooting method.
+fn shooting() -> Settings {
+    Settings { method: hydrostat::solution::Method::Shooting, ..Settings::default() }
 }

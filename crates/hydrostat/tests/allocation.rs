@@ -29,7 +29,7 @@ fn following(force: f64) -> Robot {
 }
 
 fn to(tolerance: f64) -> Settings {
-    Settings { tolerance, stations: 0, eigenvalue: false, ..Settings::default() }
+    Settings { tolerance, stations: 0, eigenvalue: false, ..shooting() }
 }
 
 /// Iterations and allocations of one call, after calls that grew the workspace to what it needs.
@@ -69,4 +69,9 @@ fn solving_from_cold_in_kept_memory_allocates_no_more_than_the_result() {
             assert!(allocations <= RESULT, "{tolerance:e}: {allocations} in {iterations} iterations");
         }
     }
+}
+
+/// This file is about the shooting method.
+fn shooting() -> Settings {
+    Settings { method: hydrostat::solution::Method::Shooting, ..Settings::default() }
 }

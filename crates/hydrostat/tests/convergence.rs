@@ -12,7 +12,7 @@ fn the_error_and_its_estimate_are_below_the_tolerance() {
     for index in 0..20 {
         let robot = robustness::robot(3, index);
         let at = |tolerance: f64| {
-            let settings = Settings { tolerance, ..Settings::default() };
+            let settings = Settings { tolerance, ..shooting() };
             solve(&robot, &settings).unwrap_or_else(|error| panic!("{}: {error}", robot.name))
         };
         let exact = at(1e-12);
@@ -42,8 +42,7 @@ fn the_benchmarked_solves_are_as_accurate_as_they_claim() {
                 *mass *= 0.99;
             }
         }
-        let at =
-            |tolerance: f64| Settings { tolerance, stations: 0, eigenvalue: false, ..Settings::default() };
+        let at = |tolerance: f64| Settings { tolerance, stations: 0, eigenvalue: false, ..shooting() };
         let answer = "every row has an answer";
         let exact = solve(&robot, &at(1e-12)).expect(answer).tip.position;
         for tolerance in [1e-6, 1e-9] {
@@ -57,4 +56,9 @@ fn the_benchmarked_solves_are_as_accurate_as_they_claim() {
             }
         }
     }
+}
+
+/// This file is about the shooting method.
+fn shooting() -> Settings {
+    Settings { method: hydrostat::solution::Method::Shooting, ..Settings::default() }
 }

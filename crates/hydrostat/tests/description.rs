@@ -1,6 +1,5 @@
 //! What the readers make of valid files, and that no text makes them panic.
 
-use hydrostat::Error;
 use hydrostat::description::{builtin, parse_experiment, parse_robot, quantity, templates};
 use hydrostat::model::{CrossSection, Frame, LoadKind};
 use hydrostat::verify::Varied;

@@ -58,7 +58,7 @@ fn thrust(part_of_critical: f64) -> Robot {
 }
 
 fn solved(robot: &Robot) -> Equilibrium {
-    solve(robot, &Settings::default()).unwrap_or_else(|error| panic!("{error}"))
+    solve(robot, &shooting()).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Value of the check and whether it passed.
@@ -109,7 +109,7 @@ fn beyond_eulers_load_the_straight_column_is_unstable_and_the_check_fails() {
 fn conjugate_points_alone_find_the_same_answer() {
     for part in BELOW.into_iter().chain(JUST_ABOVE) {
         for tolerance in [1e-3, 1e-6, 1e-9] {
-            let settings = Settings { tolerance, eigenvalue: false, ..Settings::default() };
+            let settings = Settings { tolerance, eigenvalue: false, ..shooting() };
             let found = solve(&thrust(part), &settings).unwrap_or_else(|error| panic!("{error}"));
             assert_eq!(found.report.stable, Some(part < 1.0), "{part} of Euler's load, {tolerance:e}");
         }
@@ -161,4 +161,9 @@ fn loads_without_an_energy_are_never_called_stable() {
         let shaft = solved(&at_tip(zero, moment * Vector3::z(), Frame::World));
         assert_ne!(shaft.report.stable, Some(true), "{moment}");
     }
+}
+
+/// This file is about the shooting method.
+fn shooting() -> Settings {
+    Settings { method: hydrostat::solution::Method::Shooting, ..Settings::default() }
 }

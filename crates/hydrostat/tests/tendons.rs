@@ -161,6 +161,7 @@ fn displacement_and_tension_are_inverse() {
             }
         }
     }
+    assert!(found_by_shooting >= 3, "{found_by_shooting}");
 }
 
 /// Holding the others at home lets the ones on the inside go slack, and none push.

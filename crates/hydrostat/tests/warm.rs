@@ -12,7 +12,7 @@ const TOLERANCE: f64 = 1e-10;
 const CLOSE: f64 = 2.0 * TOLERANCE;
 
 fn settings() -> Settings {
-    Settings { tolerance: TOLERANCE, eigenvalue: false, ..Settings::default() }
+    Settings { tolerance: TOLERANCE, eigenvalue: false, ..shooting() }
 }
 
 fn load(kind: LoadKind) -> Load {
@@ -165,4 +165,9 @@ fn a_small_change_of_random_rods_stays_on_the_branch() {
         }
         assert_same(&more, &mut workspace, &robot.name);
     }
+}
+
+/// This file is about the shooting method.
+fn shooting() -> Settings {
+    Settings { method: hydrostat::solution::Method::Shooting, ..Settings::default() }
 }

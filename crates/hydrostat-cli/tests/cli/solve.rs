@@ -41,10 +41,11 @@ fn json_has_the_keys_of_the_format() {
         "stable",
         "smallest_eigenvalue",
         "unstable_from",
+        "snapped_from",
         "solve_time_us",
     ];
     assert_eq!(keys(&value["report"]), report);
-    assert_eq!((&value["robot"], &value["report"]["method"]), (&"rod".into(), &"shooting".into()));
+    assert_eq!((&value["robot"], &value["report"]["method"]), (&"rod".into(), &"energy".into()));
     assert_eq!(value["tip"]["position_m"], value["stations"]["position_m"][10]);
     assert!(value["report"]["solve_time_us"].as_f64().unwrap() > 0.0);
 }
@@ -135,5 +136,40 @@ fn reference_rods_agree() {
                 );
             }
         }
+    }
+}
+
+/// A robot with tendons: commands of the line, round trip, wrong ones.
+#[test]
+fn tendons_are_commanded_from_the_line() {
+    let scr = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/scr.toml");
+    let tension = |run: &serde_json::Value| run["tendons"][0]["tension_n"].as_f64().expect("a number");
+    let json = |args: &[&str]| -> serde_json::Value {
+        let mut all = vec!["solve", scr, "--json"];
+        all.extend(args);
+        let output = std::process::Command::new(env!("CARGO_BIN_EXE_hydrostat")).args(all).output();
+        serde_json::from_slice(&output.expect("runs").stdout).expect("is JSON")
+    };
+    let pulled = json(&["--tension", "a=2N"]);
+    let displacement = pulled["tendons"][0]["displacement_m"].as_f64().expect("a number");
+    let held = json(&["--displacement", &format!("a={displacement}m")]);
+    assert!((tension(&pulled) - 2.0).abs() < 1e-12 && (tension(&held) - 2.0).abs() < 1e-6);
+    for (args, message) in [
+        (["--tension", "a=-2N"], "a tension of -2 N"),
+        (["--tension", "z=2N"], "there is no tendon \"z\""),
+        (["--tension", "a=2"], "without a unit"),
+        (["--tension", "a"], "such as a=2N"),
+        (["--tension", "a=1N,a=2N"], "commanded twice"),
+        (["--displacement", "a=2N"], "expected a length"),
+        (["--displacement", "a=14mm,b=0mm,c=0mm"], "tears"),
+    ] {
+        let mut all = vec!["solve", scr];
+        all.extend(args);
+        let output =
+            std::process::Command::new(env!("CARGO_BIN_EXE_hydrostat")).args(all).output().expect("runs");
+        let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+        let nothing_shown = output.stdout.is_empty();
+        assert!(output.status.code() == Some(2) && nothing_shown, "{args:?}: {stderr}");
+        assert!(stderr.contains(message), "{args:?}: {stderr}");
     }
 }

@@ -91,6 +91,8 @@ pub struct Workspace {
     dead: Sweep<2>,
     follower: Sweep<3>,
     energy: energy::Energy,
+    /// Whether the last solution is the energy method's.
+    by_energy: bool,
     /// Whether `coarse` holds a converged solution.
     warm: bool,
 }
@@ -159,7 +161,8 @@ fn run(
     settings.check()?;
     workspace.chain.rebuild(robot);
     if settings.method == Method::Energy && !workspace.chain.follower {
-        let Workspace { chain, energy, .. } = workspace;
+        let Workspace { chain, energy, by_energy, .. } = workspace;
+        *by_energy = true;
         let found = energy::find(energy, robot, chain, settings, start)?;
         let equilibrium = report::of_energy(robot, settings, chain, energy, &found)?;
         workspace.warm = true;
@@ -171,7 +174,8 @@ fn run(
         )
         .hint("leave the start out: the solver then follows the loads from zero"));
     }
-    let warm = matches!(start, Start::Last);
+    let warm = matches!(start, Start::Last) && !workspace.by_energy;
+    workspace.by_energy = false;
     let (found, states) = held::solve(robot, settings, workspace, warm)?;
     let judged = judge(robot, settings, workspace, &found);
     let equilibrium = report::equilibrium(robot, settings, workspace, &found, &judged, states)?;
@@ -238,6 +242,9 @@ impl Workspace {
     pub fn station(&self, robot: &Robot, s: f64) -> Option<Station> {
         let on_backbone = (0.0..=self.chain.length * (1.0 + 1e-12)).contains(&s);
         (self.warm && on_backbone).then(|| {
+            if self.by_energy {
+                return self.energy.station(robot, &self.chain, s.min(self.chain.length));
+            }
             report::station(s.min(self.chain.length), robot, &self.chain, &self.tensions, &self.fine)
         })
     }

@@ -105,6 +105,7 @@ mod quantities;
 mod robots;
 mod sections;
 mod tables;
+mod tendons;
 
 fn in_experiment(text: &str) -> String {
     experiment_error(text, TABLE, ROD)
