@@ -11,7 +11,15 @@ const IN_FULL: &[&str] = &["--full"];
 const DATA: &str = "../shared/data";
 
 /// File, and the arguments that write it; the file's name follows.
-const DRAWN: [(&str, &[&str]); 1] = [("docs/gray2009.svg", &["verify", "--plot"])];
+const DRAWN: [(&str, &[&str]); 7] = [
+    ("docs/gray2009.svg", &["verify", "--plot"]),
+    ("docs/robots/scr.svg", &["solve", "robots/scr.toml", "--plot"]),
+    ("docs/robots/scr_two_section.svg", &["solve", "robots/scr_two_section.toml", "--plot"]),
+    ("docs/robots/till2019.svg", &["solve", "robots/till2019.toml", "--plot"]),
+    ("docs/robots/rucker2011_helical.svg", &["solve", "robots/rucker2011_helical.toml", "--plot"]),
+    ("docs/robots/rao2021.svg", &["solve", "robots/rao2021.toml", "--plot"]),
+    ("docs/robots/elephant_trunk.svg", &["solve", "robots/elephant_trunk.toml", "--plot"]),
+];
 
 /// Builds the program with the features of the tests.
 pub(crate) fn build() -> Result<(), String> {

@@ -19,6 +19,7 @@ mod draw;
 mod labels;
 #[cfg(feature = "png")]
 mod png;
+mod tendons;
 mod text;
 mod ticks;
 

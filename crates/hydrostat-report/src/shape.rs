@@ -6,6 +6,7 @@ use crate::draw::{
 };
 use crate::labels::{self, Label, Obstacles};
 use crate::loads::{self, Shape};
+use crate::tendons;
 use crate::text::{fixed, millimetres, prefixed, wrap};
 use crate::ticks::{decimals, nice_step, ticks};
 use crate::view::{Axis, View, direction_name, side_and_front};
@@ -72,8 +73,27 @@ pub fn shape_svg(robot: &Robot, equilibrium: &Equilibrium) -> String {
         x += frame.width() + GAP;
     }
     y += bottom - top + 50.0;
+    let y = tendon_legend(&mut page, robot, equilibrium, y, width);
     let end = legend(&mut page, robot, y, width);
     page.finish(width, end + MARGIN * 0.6, &format!("Shape of {}", robot.name))
+}
+
+/// Tension and displacement of every tendon, in its colour; returns where the next line stands.
+fn tendon_legend(page: &mut Canvas, robot: &Robot, equilibrium: &Equilibrium, mut y: f64, width: f64) -> f64 {
+    let mut x = MARGIN;
+    for (number, (tendon, state)) in robot.tendons.iter().zip(&equilibrium.tendons).enumerate() {
+        let slack = if state.slack { ", slack" } else { "" };
+        let (tension, pulled) = (fixed(state.tension, 2), fixed(1e3 * state.displacement, 2));
+        let text = format!("{}  {tension} N, in {pulled} mm{slack}", tendon.name);
+        let room = 26.0 + SMALL.width(&text) + 22.0;
+        if x > MARGIN && x + room > width {
+            (x, y) = (MARGIN, y + 18.0);
+        }
+        page.line([x, y - 4.0], [x + 20.0, y - 4.0], Pen::new(tendons::colour(number), 2.2));
+        page.text([x + 26.0, y], Anchor::Start, SMALL, &text);
+        x += room;
+    }
+    if robot.tendons.is_empty() { y } else { y + 24.0 }
 }
 
 /// px per m so that both views fit.
@@ -104,6 +124,7 @@ fn scene(robot: &Robot, shape: &Shape, view: &View, named_tip: bool) -> Canvas {
     let rest = rest_line(robot).map(|p| shape.on_page(view, &p));
     canvas.polyline(&rest, Pen::dashed(MUTED, 1.1, "5 4"));
     clamp(&mut canvas, robot, view);
+    tendons::draw(&mut canvas, robot, shape, view);
     backbone(&mut canvas, robot, shape, view);
 
     // the tip, below the loads that act there
@@ -174,7 +195,8 @@ fn backbone(canvas: &mut Canvas, robot: &Robot, shape: &Shape, view: &View) {
         let inside = shape.equilibrium.stations.iter().filter(|k| k.s > start && k.s < end);
         points.extend(inside.map(|k| shape.on_page(view, &k.position)));
         points.extend(shape.at(end).map(|(p, _)| shape.on_page(view, &p)));
-        for s in section.guides.iter().flat_map(|g| &g.positions) {
+        let marked = section.guides.iter().filter(|_| robot.tendons.is_empty());
+        for s in marked.flat_map(|g| &g.positions) {
             across(canvas, shape, view, start + s, 6.0, Pen::new(MUTED, 1.2));
         }
         canvas.polyline(&points, Pen::new(section_colour(i), 3.4));

@@ -12,6 +12,7 @@ mod reference;
 pub mod robustness;
 mod small_load;
 mod sorosim;
+mod tendons;
 
 use crate::model::{CrossSection, Frame, Load, LoadKind, Material, Pose, Profile, Section};
 use crate::statics::{self, Settings};
@@ -57,6 +58,7 @@ pub fn run(sorosim_csv: Option<&str>) -> Vec<Case> {
     cases.extend(helix::cases());
     cases.extend(beams::cases());
     cases.extend(buckling::cases());
+    cases.extend(tendons::cases());
     cases.extend(bench::cases());
     cases.extend(sorosim_csv.map(sorosim::cases).unwrap_or_default());
     cases
