@@ -51,7 +51,7 @@ fn hole(robot: &Robot, tendon: &Tendon, shape: &Shape, s: f64) -> Option<Vector3
 fn guides(canvas: &mut Canvas, robot: &Robot, shape: &Shape, view: &View) {
     let mut start = 0.0;
     for section in &robot.sections {
-        for guides in &section.guides {
+        if let Some(guides) = &section.guides {
             for position in &guides.positions {
                 let s = start + position;
                 let Some((centre, rotation)) = shape.at(s) else { continue };
