@@ -14,51 +14,77 @@ pub struct Collocation {
     pub derivative: Vec<f64>,
     /// Value at 1 per value at the j-th.
     pub end: Vec<f64>,
+    /// Coefficient of the shifted Legendre polynomial of highest degree per value at the j-th.
+    pub top: Vec<f64>,
+    /// At the quarters, both ends included.
+    pub quarters: [Row; 5],
+    /// 1 / product of the differences to the other points.
+    scales: Vec<f64>,
+}
+
+/// What the values at the points contribute at one place; the first `points` entries count.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Row {
+    /// Value and slope of the polynomial that is zero at 0.
+    pub value: [f64; MOST],
+    pub slope: [f64; MOST],
+    /// Value and slope of the polynomial of one degree less, through the points alone.
+    pub inner: [f64; MOST],
+    pub inner_slope: [f64; MOST],
 }
 
 impl Collocation {
     pub fn new(count: usize) -> Self {
         let (points, weights) = gauss_legendre(count);
-        // Lagrange's polynomials on 0 and the points
-        let nodes: Vec<f64> = std::iter::once(0.0).chain(points.iter().copied()).collect();
-        let mut derivative = Vec::with_capacity(count * count);
-        for at in &points {
-            derivative.extend((1..=count).map(|j| lagrange(&nodes, j, *at).1));
+        let scale = |j: usize| -> f64 {
+            let others = points.iter().enumerate().filter(|(i, _)| *i != j);
+            1.0 / others.map(|(_, other)| points[j] - other).product::<f64>()
+        };
+        let scales: Vec<f64> = (0..count).map(scale).collect();
+        // the highest coefficient in powers of t, and that of Legendre's polynomial, (2n)! / (n!)^2
+        let legendre: f64 = (1..=count).map(|k| (count + k) as f64 / k as f64).product();
+        let top = points.iter().zip(&scales).map(|(t, scale)| scale / t / legendre).collect();
+        let mut table = Collocation {
+            points,
+            weights,
+            derivative: Vec::with_capacity(count * count),
+            end: Vec::new(),
+            top,
+            quarters: [Row::default(); 5],
+            scales,
+        };
+        for i in 0..count {
+            let row = table.row(table.points[i]);
+            table.derivative.extend(&row.slope[..count]);
         }
-        let end = (1..=count).map(|j| lagrange(&nodes, j, 1.0).0).collect();
-        Collocation { points, weights, derivative, end }
+        table.quarters = [0.0, 0.25, 0.5, 0.75, 1.0].map(|t| table.row(t));
+        table.end = table.quarters[4].value[..count].to_vec();
+        table
     }
 
-    /// Value and derivative at `t` of the polynomial that is 1 at the j-th point.
-    pub fn basis(&self, j: usize, t: f64) -> (f64, f64) {
-        let nodes: Vec<f64> = std::iter::once(0.0).chain(self.points.iter().copied()).collect();
-        lagrange(&nodes, j + 1, t)
+    /// Lagrange's polynomials at `t`.
+    pub fn row(&self, t: f64) -> Row {
+        let count = self.points.len();
+        // products of t - point and their slopes, over the points before and from each on
+        let (mut before, mut from) = ([(1.0, 0.0); MOST + 1], [(1.0, 0.0); MOST + 1]);
+        for j in 0..count {
+            let (product, slope) = before[j];
+            before[j + 1] = (product * (t - self.points[j]), slope * (t - self.points[j]) + product);
+        }
+        for j in (0..count).rev() {
+            let (product, slope) = from[j + 1];
+            from[j] = (product * (t - self.points[j]), slope * (t - self.points[j]) + product);
+        }
+        let mut row = Row::default();
+        for j in 0..count {
+            let ((a, a_slope), (b, b_slope)) = (before[j], from[j + 1]);
+            let (inner, slope) = (self.scales[j] * a * b, self.scales[j] * (a_slope * b + a * b_slope));
+            (row.inner[j], row.inner_slope[j]) = (inner, slope);
+            row.value[j] = inner * t / self.points[j];
+            row.slope[j] = (inner + t * slope) / self.points[j];
+        }
+        row
     }
-
-    /// The polynomial of one degree less, 1 at the j-th point and 0 at the others, at `t`.
-    pub fn inner(&self, j: usize, t: f64) -> f64 {
-        lagrange(&self.points, j, t).0
-    }
-
-    /// Its derivative.
-    pub fn inner_slope(&self, j: usize, t: f64) -> f64 {
-        lagrange(&self.points, j, t).1
-    }
-}
-
-/// The j-th Lagrange polynomial on `nodes` and its derivative at `t`.
-fn lagrange(nodes: &[f64], j: usize, t: f64) -> (f64, f64) {
-    let others = || nodes.iter().enumerate().filter(|(i, _)| *i != j).map(|(_, node)| *node);
-    let scale: f64 = others().map(|node| nodes[j] - node).product();
-    let value: f64 = others().map(|node| t - node).product();
-    let slope: f64 = (0..nodes.len())
-        .filter(|&left_out| left_out != j)
-        .map(|left_out| -> f64 {
-            let factors = nodes.iter().enumerate().filter(|(i, _)| *i != j && *i != left_out);
-            factors.map(|(_, node)| t - node).product()
-        })
-        .sum();
-    (value / scale, slope / scale)
 }
 
 /// Gauss-Legendre points and weights on [0, 1] by Newton's method on Legendre's polynomial.
@@ -95,6 +121,25 @@ mod tests {
             let integral: f64 = c.points.iter().zip(&c.weights).map(|(t, w)| w * t.powi(degree)).sum();
             assert!((integral - 1.0 / f64::from(degree + 1)).abs() < 1e-15, "{count}");
             assert!(c.points.windows(2).all(|pair| pair[0] < pair[1]));
+        }
+    }
+
+    #[test]
+    fn top_is_the_coefficient_of_the_highest_legendre_polynomial() {
+        // P_n(2t - 1) by its recurrence, less its value at 0: the other coefficients do not matter
+        for count in FEWEST..=MOST {
+            let legendre = |t: f64| {
+                let x = 2.0 * t - 1.0;
+                let (mut p, mut before) = (1.0, 0.0);
+                for k in 0..count {
+                    let k = k as f64;
+                    (p, before) = (((2.0 * k + 1.0) * x * p - k * before) / (k + 1.0), p);
+                }
+                p
+            };
+            let c = Collocation::new(count);
+            let top: f64 = c.points.iter().zip(&c.top).map(|(t, top)| top * (legendre(*t) - legendre(0.0))).sum();
+            assert!((top - 1.0).abs() < 1e-9, "{count}: {top}");
         }
     }
 

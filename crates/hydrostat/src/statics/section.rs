@@ -1,6 +1,5 @@
 //! What tendons in channels add to the section law.
 
-use crate::geometry::hat;
 use nalgebra::{Matrix3, Matrix6, Vector3};
 
 /// A channel tendon at a cross-section.
@@ -39,13 +38,25 @@ impl Pulled {
         }
         let (speed, t) = pull.path(v, u);
         let force = pull.tension * t;
-        let across = (Matrix3::identity() - t * t.transpose()) * (pull.tension / speed);
-        let turned = across * hat(&pull.hole);
+        let (across, hole) = (pull.tension / speed, &pull.hole);
+        // I - t t^T, times hat(r) by columns, then hat(r) times that
+        let v_v = Matrix3::from_fn(|i, j| across * (f64::from(u8::from(i == j)) - t[i] * t[j]));
+        let column = |j: usize| v_v.column(j).into_owned();
+        let v_u = Matrix3::from_columns(&[
+            column(2) * hole.y - column(1) * hole.z,
+            column(0) * hole.z - column(2) * hole.x,
+            column(1) * hole.x - column(0) * hole.y,
+        ]);
         self.force += force;
-        self.moment += pull.hole.cross(&force);
-        self.v_v += across;
-        self.v_u -= turned;
-        self.u_u -= hat(&pull.hole) * turned;
+        self.moment += hole.cross(&force);
+        self.v_v += v_v;
+        self.v_u += v_u;
+        for j in 0..3 {
+            let turned = hole.cross(&v_u.column(j));
+            for i in 0..3 {
+                self.u_u[(i, j)] += turned[i];
+            }
+        }
     }
 }
 

@@ -94,10 +94,8 @@ impl Along {
             before = Some(interpolated(table, &paths, 1.0));
             let rates: Vec<f64> = (0..paths.len())
                 .map(|i| {
-                    let rate = |(j, path): (usize, &(f64, Vector3<f64>))| {
-                        table.inner_slope(j, table.points[i]) * path.1
-                    };
-                    paths.iter().enumerate().map(rate).sum::<Vector3<f64>>().norm()
+                    let slopes = table.row(table.points[i]).inner_slope;
+                    paths.iter().zip(slopes).map(|(path, slope)| slope * path.1).sum::<Vector3<f64>>().norm()
                 })
                 .collect();
             for (i, (&p, path)) in passing.iter().zip(&paths).enumerate() {
@@ -105,8 +103,8 @@ impl Along {
                 let to = table.points[i];
                 let within: f64 = (table.points.iter().zip(&table.weights))
                     .map(|(t, weight)| {
-                        let rate = |(j, rate): (usize, &f64)| table.inner(j, t * to) * rate;
-                        weight * to * rates.iter().enumerate().map(rate).sum::<f64>()
+                        let inner = table.row(t * to).inner;
+                        weight * to * rates.iter().zip(inner).map(|(rate, inner)| inner * rate).sum::<f64>()
                     })
                     .sum();
                 let turned = self.turned + within;
@@ -140,5 +138,5 @@ impl Along {
 
 /// The tangent at a fraction of a panel.
 fn interpolated(table: &Collocation, paths: &[(f64, Vector3<f64>)], t: f64) -> Vector3<f64> {
-    paths.iter().enumerate().map(|(j, path)| table.inner(j, t) * path.1).sum()
+    paths.iter().zip(table.row(t).inner).map(|(path, inner)| inner * path.1).sum()
 }

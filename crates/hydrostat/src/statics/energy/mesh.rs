@@ -2,7 +2,7 @@
 
 use crate::geometry::RotationVector;
 use crate::model::{Robot, Routing};
-use crate::numeric::collocation::{Collocation, FEWEST, MOST};
+use crate::numeric::collocation::{Collocation, FEWEST, MOST, Row};
 use crate::numeric::larger;
 use crate::solution::Station;
 use crate::statics::chain::Chain;
@@ -273,13 +273,14 @@ impl Mesh {
             let passing = &self.passing[self.data[node].passing.clone()];
             passing.iter().find(|passing| passing.tendon == tendon).map_or(1.0, |passing| passing.share)
         };
-        panel.nodes.clone().enumerate().map(|(j, node)| table.inner(j, t) * of(node)).sum()
+        let row = table.row(t);
+        panel.nodes.clone().zip(&row.inner).map(|(node, inner)| inner * of(node)).sum()
     }
 
-    /// v and u at a fraction of a panel.
-    pub(super) fn strains(&self, tables: &Tables, panel: &Panel, t: f64) -> (Vector3<f64>, Vector3<f64>) {
-        let (_, v, u) = self.within(panel, tables.of(panel.nodes.len()), &Matrix3::identity(), t);
-        (v, u)
+    /// v and u at the place of a row in a panel.
+    pub(super) fn strains(&self, panel: &Panel, row: &Row) -> (Vector3<f64>, Vector3<f64>) {
+        let (turn, rate, v) = self.interpolated(panel, row);
+        (v, RotationVector::new(turn).jacobian() * rate)
     }
 
     /// Rotation and strains at a fraction of a panel.
@@ -290,15 +291,20 @@ impl Mesh {
         start: &Matrix3<f64>,
         t: f64,
     ) -> (Matrix3<f64>, Vector3<f64>, Vector3<f64>) {
-        let (mut turn, mut rate, mut v) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
-        for (j, node) in panel.nodes.clone().enumerate() {
-            let (value, slope) = table.basis(j, t);
-            turn += value * self.turn[node];
-            rate += slope / panel.length * self.turn[node];
-            v += table.inner(j, t) * self.v[node];
-        }
+        let (turn, rate, v) = self.interpolated(panel, &table.row(t));
         let turn = RotationVector::new(turn);
         (start * turn.rotation(), v, turn.jacobian() * rate)
+    }
+
+    /// Turn, its rate, and v.
+    fn interpolated(&self, panel: &Panel, row: &Row) -> (Vector3<f64>, Vector3<f64>, Vector3<f64>) {
+        let (mut turn, mut rate, mut v) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
+        for (j, node) in panel.nodes.clone().enumerate() {
+            turn += row.value[j] * self.turn[node];
+            rate += row.slope[j] * self.turn[node];
+            v += row.inner[j] * self.v[node];
+        }
+        (turn, rate / panel.length, v)
     }
 
     /// Starts from the shape of another mesh on the same chain.

@@ -15,13 +15,30 @@ pub(super) struct Shape {
     /// E(turn), and R = R_start E.
     pub(super) since_start: Matrix3<f64>,
     pub(super) rotation: Matrix3<f64>,
+    /// du = turn_u d(turn) + jacobian d(rate); jacobian d(turn) is the rotation of the section since the start, body frame.
+    pub(super) jacobian: Matrix3<f64>,
+    pub(super) turn_u: Matrix3<f64>,
 }
 
 impl Shape {
     pub(super) fn new(start: &Matrix3<f64>, turn: Vector3<f64>, rate: Vector3<f64>, v: Vector3<f64>) -> Self {
         let turn = RotationVector::new(turn);
-        let since_start = turn.rotation();
-        Shape { u: turn.jacobian() * rate, turn, rate, v, rotation: start * since_start, since_start }
+        let (since_start, jacobian) = (turn.rotation(), turn.jacobian());
+        Shape {
+            u: jacobian * rate,
+            turn_u: turn.jacobian_differential(&rate),
+            rotation: start * since_start,
+            turn,
+            rate,
+            v,
+            since_start,
+            jacobian,
+        }
+    }
+
+    /// Rotation of the section by those of the panel's start and of the turn, body frame.
+    pub(super) fn turned(&self, start: &Vector3<f64>, turn: &Vector3<f64>) -> Vector3<f64> {
+        self.since_start.tr_mul(start) + self.jacobian * turn
     }
 }
 
@@ -62,35 +79,55 @@ pub(super) struct Linearised {
     pub(super) rate_force: Matrix3<f64>,
     pub(super) start_force: Matrix3<f64>,
     pub(super) force_force: Matrix3<f64>,
-    /// Inverse of the v-v block, and the v rows of the others.
-    pub(super) v_v_inverse: Matrix3<f64>,
-    pub(super) v_turn: Matrix3<f64>,
-    pub(super) v_rate: Matrix3<f64>,
-    pub(super) v_start: Matrix3<f64>,
-    pub(super) v_force: Matrix3<f64>,
-    /// Whether v could be eliminated from an energy that grows with it.
-    pub(super) convex_in_v: bool,
+    /// Inverse of the v-v block; NaN where the energy does not grow with v.
+    v_v_inverse: Matrix3<f64>,
+    /// The v rows of du and of the section's rotation; that of the force beyond is -R^T.
+    v_u: Matrix3<f64>,
+    v_turned: Matrix3<f64>,
 }
 
-/// The energy's gradient in the strains: K (xi - xi*) + sum tau (t, r x t).
-pub(super) fn strain_gradient(
-    data: &NodeData,
-    passing: &[Passing],
-    tensions: &[f64],
-    shape: &Shape,
-) -> (Vector3<f64>, Vector3<f64>) {
-    let pulled = pulled(passing, tensions, shape);
-    let force = data.shear.component_mul(&(shape.v - Vector3::z()));
-    let moment = data.bend.component_mul(&(shape.u - data.rest_curvature));
-    (force + pulled.force, moment + pulled.moment)
+/// What pulls at a placed node: the section law with its tendons, and what acts on it in the body frame.
+struct Local {
+    pulled: Pulled,
+    /// The energy's gradient in u: K_bt (u - u*) + sum tau r x t.
+    u_u: Vector3<f64>,
+    force: Vector3<f64>,
+    weight: Vector3<f64>,
+    dead_moment: Vector3<f64>,
+    /// Of the conservative forces about the section.
+    moment: Vector3<f64>,
 }
 
-fn pulled(passing: &[Passing], tensions: &[f64], shape: &Shape) -> Pulled {
-    let mut pulled = Pulled::default();
-    for tendon in passing {
-        pulled.add(&tendon.pull(tensions), &shape.v, &shape.u);
+impl Local {
+    fn new(data: &NodeData, passing: &[Passing], tensions: &[f64], shape: &Shape, acting: &Acting) -> Self {
+        let mut pulled = Pulled::default();
+        for tendon in passing {
+            pulled.add(&tendon.pull(tensions), &shape.v, &shape.u);
+        }
+        let force = shape.rotation.tr_mul(&acting.force);
+        let weight = shape.rotation.tr_mul(&acting.gravity);
+        Local {
+            u_u: data.bend.component_mul(&(shape.u - data.rest_curvature)) + pulled.moment,
+            pulled,
+            moment: shape.v.cross(&force) + data.mass_moment.cross(&weight),
+            dead_moment: shape.rotation.tr_mul(&acting.moment_per_length),
+            force,
+            weight,
+        }
     }
-    pulled
+
+    /// theory (31)
+    fn gradient(&self, data: &NodeData, shape: &Shape) -> Form {
+        let u_v = data.shear.component_mul(&(shape.v - Vector3::z())) + self.pulled.force;
+        let moment = self.moment + self.dead_moment;
+        Form {
+            v: u_v - self.force,
+            turn: shape.turn_u.tr_mul(&self.u_u) - shape.jacobian.tr_mul(&moment),
+            rate: shape.jacobian.tr_mul(&self.u_u),
+            start: -(shape.since_start * moment),
+            force: Vector3::zeros(),
+        }
+    }
 }
 
 /// The energy's gradient at a node per unit weight, theory (31).
@@ -101,23 +138,11 @@ pub(super) fn gradient(
     shape: &Shape,
     acting: &Acting,
 ) -> Form {
-    let (u_v, u_u) = strain_gradient(data, passing, tensions, shape);
-    let force = shape.rotation.tr_mul(&acting.force);
-    let weight = shape.rotation.tr_mul(&acting.gravity);
-    let moment = shape.v.cross(&force)
-        + data.mass_moment.cross(&weight)
-        + shape.rotation.tr_mul(&acting.moment_per_length);
-    let jacobian = shape.turn.jacobian();
-    Form {
-        v: u_v - force,
-        turn: shape.turn.jacobian_differential(&shape.rate).tr_mul(&u_u) - jacobian.tr_mul(&moment),
-        rate: jacobian.tr_mul(&u_u),
-        start: -(shape.since_start * moment),
-        force: Vector3::zeros(),
-    }
+    Local::new(data, passing, tensions, shape, acting).gradient(data, shape)
 }
 
-/// The Hessian at a node per unit weight, with `shift` times the elastic part added, v eliminated.
+/// Gradient and Hessian at a node per unit weight, the Hessian with `shift` times the elastic part added, v eliminated. The blocks of the force beyond
+/// are filled where `chords` run beside the node.
 pub(super) fn linearise(
     data: &NodeData,
     passing: &[Passing],
@@ -125,98 +150,126 @@ pub(super) fn linearise(
     shape: &Shape,
     acting: &Acting,
     shift: f64,
-) -> Linearised {
+    chords: bool,
+) -> (Form, Linearised) {
     let stiffer = 1.0 + shift;
-    let mut u_v = data.shear.component_mul(&(shape.v - Vector3::z()));
-    let mut u_u = data.bend.component_mul(&(shape.u - data.rest_curvature));
-    let mut vv = Matrix3::from_diagonal(&(stiffer * data.shear));
-    let mut uu = Matrix3::from_diagonal(&(stiffer * data.bend));
-    let pulled = pulled(passing, tensions, shape);
-    u_v += pulled.force;
-    u_u += pulled.moment;
-    vv += pulled.v_v;
-    uu += pulled.u_u;
-    let vu = pulled.v_u;
-    let jacobian = shape.turn.jacobian();
-    let b = shape.turn.jacobian_differential(&shape.rate);
-    let back = shape.since_start.transpose();
-    let to_body = shape.rotation.transpose();
-    let (force, weight) = (to_body * acting.force, to_body * acting.gravity);
-    let dead_moment = to_body * acting.moment_per_length;
-    let moment = shape.v.cross(&force) + data.mass_moment.cross(&weight);
+    let local = Local::new(data, passing, tensions, shape, acting);
+    let Local { pulled, u_u, force, weight, moment, dead_moment } = &local;
+    let (jacobian, b, back) = (&shape.jacobian, &shape.turn_u, &shape.since_start);
 
+    // v eliminated from the form in du, the section's rotation a, and the force beyond
+    let v_turned = -hat(force);
+    let (v_v_inverse, mut uu, ua);
+    if passing.is_empty() {
+        v_v_inverse = Matrix3::from_diagonal(&(stiffer * data.shear).map(f64::recip));
+        (uu, ua) = (Matrix3::from_diagonal(&(stiffer * data.bend)), Matrix3::zeros());
+    } else {
+        v_v_inverse = convex_inverse(&(pulled.v_v + Matrix3::from_diagonal(&(stiffer * data.shear))));
+        let du = v_v_inverse * pulled.v_u;
+        (uu, ua) = (pulled.u_u - pulled.v_u.tr_mul(&du), -du.tr_mul(&v_turned));
+        for axis in 0..3 {
+            uu[(axis, axis)] += stiffer * data.bend[axis];
+        }
+    }
+    let da = v_v_inverse * v_turned;
     // rotations of the section: of the panel's start before that since the start
-    let in_order = -(hat(&force) * hat(&shape.v) + hat(&weight) * hat(&data.mass_moment));
-    let either = 0.5 * (in_order + in_order.transpose());
-    let curl = shape.turn.transpose_differential(&moment);
-    let follow = jacobian.tr_mul(&(-hat(&dead_moment)));
-    let uu_j = uu * jacobian;
+    let order = outer_less_dot(force, &shape.v) + outer_less_dot(weight, &data.mass_moment);
+    let of_v = v_turned.tr_mul(&da);
+    let either = symmetric(&order) - of_v;
+    let in_order = order - of_v;
+
+    let uu_rate = uu * jacobian;
+    let start_a = back * in_order;
+    let ua_turn = ua * jacobian;
     let mut model = Linearised {
-        turn_turn: b.tr_mul(&uu) * b
-            + shape.turn.second_differential(&u_u, &shape.rate)
-            + jacobian.tr_mul(&either) * jacobian
-            - 0.5 * (curl + curl.transpose())
-            + follow * jacobian
-            - shape.turn.transpose_differential(&dead_moment),
-        turn_rate: b.tr_mul(&uu_j) + shape.turn.transpose_differential(&u_u).transpose(),
-        rate_rate: jacobian.tr_mul(&uu_j),
-        start_start: back.tr_mul(&either) * back - 0.5 * hat(&(shape.since_start * dead_moment)),
-        start_turn: back.tr_mul(&in_order) * jacobian,
-        turn_start: jacobian.tr_mul(&in_order.transpose()) * back + follow * back,
+        turn_turn: b.tr_mul(&(uu * b))
+            + shape.turn.second_differential(u_u, &shape.rate)
+            + jacobian.tr_mul(&(either * jacobian))
+            - symmetric(&shape.turn.transpose_differential(moment)),
+        turn_rate: b.tr_mul(&uu_rate) + shape.turn.transpose_differential(u_u).transpose(),
+        rate_rate: jacobian.tr_mul(&uu_rate),
+        start_start: back * (either * back.transpose()),
+        start_turn: start_a * jacobian,
+        turn_start: Matrix3::zeros(),
         start_rate: Matrix3::zeros(),
-        turn_force: -jacobian.tr_mul(&hat(&shape.v)) * to_body,
+        turn_force: Matrix3::zeros(),
         rate_force: Matrix3::zeros(),
-        start_force: -back.tr_mul(&hat(&shape.v)) * to_body,
+        start_force: Matrix3::zeros(),
         force_force: Matrix3::zeros(),
-        v_v_inverse: Matrix3::zeros(),
-        v_turn: vu * b - hat(&force) * jacobian,
-        v_rate: vu * jacobian,
-        v_start: -hat(&force) * back,
-        v_force: -to_body,
-        convex_in_v: vv.cholesky().is_some(),
+        v_v_inverse,
+        v_u: pulled.v_u,
+        v_turned,
     };
-    model.eliminate_v(&vv);
-    model
+    if !passing.is_empty() {
+        let mixed = b.tr_mul(&ua_turn);
+        model.turn_turn += mixed + mixed.transpose();
+        model.turn_rate += ua_turn.tr_mul(jacobian);
+        let start_u = back * ua.transpose();
+        model.start_turn += start_u * b;
+        model.start_rate = start_u * jacobian;
+    }
+    model.turn_start = model.start_turn.transpose();
+    if acting.moment_per_length != Vector3::zeros() {
+        // a dead moment is not the slope of an energy
+        let follow = jacobian.tr_mul(&(-hat(dead_moment)));
+        model.turn_turn += follow * jacobian - shape.turn.transpose_differential(dead_moment);
+        model.turn_start += follow * back.transpose();
+        model.start_start -= 0.5 * hat(&(back * dead_moment));
+    }
+    if chords {
+        let to_body = shape.rotation.transpose();
+        let of_force = v_v_inverse * to_body;
+        let turned_force = v_turned.tr_mul(&of_force) - hat(&shape.v) * to_body;
+        model.turn_force = jacobian.tr_mul(&turned_force);
+        model.start_force = back * turned_force;
+        model.force_force = -(shape.rotation * of_force);
+        if !passing.is_empty() {
+            let u_force = pulled.v_u.tr_mul(&of_force);
+            model.turn_force += b.tr_mul(&u_force);
+            model.rate_force = jacobian.tr_mul(&u_force);
+        }
+    }
+    (local.gradient(data, shape), model)
+}
+
+/// hat(a) hat(b) with the sign changed: a . b - b a^T.
+fn outer_less_dot(a: &Vector3<f64>, b: &Vector3<f64>) -> Matrix3<f64> {
+    Matrix3::from_diagonal_element(a.dot(b)) - b * a.transpose()
+}
+
+fn symmetric(m: &Matrix3<f64>) -> Matrix3<f64> {
+    0.5 * (m + m.transpose())
+}
+
+/// Inverse of a symmetric matrix; NaN where it is not positive definite.
+fn convex_inverse(m: &Matrix3<f64>) -> Matrix3<f64> {
+    let (a, b, c) = (m.column(0), m.column(1), m.column(2));
+    let cross = b.cross(&c);
+    let determinant = a.dot(&cross);
+    let convex = m.m11 > 0.0 && m.m11 * m.m22 > m.m12 * m.m12 && determinant > 0.0;
+    let scale = if convex { 1.0 / determinant } else { f64::NAN };
+    scale * Matrix3::from_columns(&[cross, c.cross(&a), a.cross(&b)])
 }
 
 impl Linearised {
-    fn eliminate_v(&mut self, vv: &Matrix3<f64>) {
-        self.v_v_inverse = vv.try_inverse().unwrap_or_else(|| Matrix3::from_element(f64::NAN));
-        let z = &self.v_v_inverse;
-        let (turn, rate, start) = (z * self.v_turn, z * self.v_rate, z * self.v_start);
-        let force = z * self.v_force;
-        self.turn_turn -= self.v_turn.tr_mul(&turn);
-        self.turn_rate -= self.v_turn.tr_mul(&rate);
-        self.rate_rate -= self.v_rate.tr_mul(&rate);
-        self.start_start -= self.v_start.tr_mul(&start);
-        self.start_turn -= self.v_start.tr_mul(&turn);
-        self.turn_start -= self.v_turn.tr_mul(&start);
-        self.start_rate -= self.v_start.tr_mul(&rate);
-        self.turn_force -= self.v_turn.tr_mul(&force);
-        self.rate_force -= self.v_rate.tr_mul(&force);
-        self.start_force -= self.v_start.tr_mul(&force);
-        self.force_force -= self.v_force.tr_mul(&force);
-    }
-
     /// What is left of a right-hand side once v is eliminated.
-    pub(super) fn condense(&self, right: &Form) -> Form {
+    pub(super) fn condense(&self, shape: &Shape, right: &Form) -> Form {
         let v = self.v_v_inverse * right.v;
+        let (u, turned) = (self.v_u.tr_mul(&v), self.v_turned.tr_mul(&v));
         Form {
             v: right.v,
-            turn: right.turn - self.v_turn.tr_mul(&v),
-            rate: right.rate - self.v_rate.tr_mul(&v),
-            start: right.start - self.v_start.tr_mul(&v),
-            force: right.force - self.v_force.tr_mul(&v),
+            turn: right.turn - shape.turn_u.tr_mul(&u) - shape.jacobian.tr_mul(&turned),
+            rate: right.rate - shape.jacobian.tr_mul(&u),
+            start: right.start - shape.since_start * turned,
+            force: right.force + shape.rotation * v,
         }
     }
 
     /// v from the others: `solved` holds their values, `right` the right-hand side.
-    pub(super) fn recover_v(&self, right: &Vector3<f64>, solved: &Form) -> Vector3<f64> {
+    pub(super) fn recover_v(&self, shape: &Shape, right: &Vector3<f64>, solved: &Form) -> Vector3<f64> {
+        let u = shape.turn_u * solved.turn + shape.jacobian * solved.rate;
+        let turned = shape.turned(&solved.start, &solved.turn);
         self.v_v_inverse
-            * (right
-                - self.v_turn * solved.turn
-                - self.v_rate * solved.rate
-                - self.v_start * solved.start
-                - self.v_force * solved.force)
+            * (right - self.v_u * u - self.v_turned * turned + shape.rotation.tr_mul(&solved.force))
     }
 }

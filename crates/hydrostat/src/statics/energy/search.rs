@@ -488,9 +488,10 @@ impl Energy {
         mut visit: impl FnMut(usize, f64, &Vector3<f64>, &Vector3<f64>) -> Result<(), Error>,
     ) -> Result<(), Error> {
         for panel in &self.coarse.panels {
-            for t in [0.0, 0.25, 0.5, 0.75, 1.0] {
-                let (v, u) = self.coarse.strains(&self.tables, panel, t);
-                visit(panel.span, panel.from + t * panel.length, &v, &u)?;
+            let table = self.tables.of(panel.nodes.len());
+            for (i, row) in table.quarters.iter().enumerate() {
+                let (v, u) = self.coarse.strains(panel, row);
+                visit(panel.span, panel.from + 0.25 * i as f64 * panel.length, &v, &u)?;
             }
         }
         Ok(())

@@ -149,7 +149,7 @@ impl Step {
         for (panel, start) in mesh.panels.iter().zip(&self.cuts) {
             for node in panel.nodes.clone() {
                 let shape = &sweep.shapes[node];
-                let turned = shape.since_start.tr_mul(start) + shape.turn.jacobian() * self.turn[node];
+                let turned = shape.turned(start, &self.turn[node]);
                 largest = larger(largest, larger(turned.norm(), self.v[node].norm()));
             }
         }
@@ -423,7 +423,8 @@ impl Sweep {
                 moment_per_length: problem.factor * data.moment_per_length,
                 gravity: problem.factor * problem.gravity,
             };
-            let form = node::gradient(data, passing, problem.tensions, shape, &acting);
+            let chords = panel.gap.is_some();
+            let (form, model) = node::linearise(data, passing, problem.tensions, shape, &acting, shift, chords);
             let weight = data.weight;
             gradient.nodes[node] = Form {
                 v: weight * form.v,
@@ -433,11 +434,7 @@ impl Sweep {
                 force: Vector3::zeros(),
             };
             new_slope += weight * form.start;
-            let mut model = node::linearise(data, passing, problem.tensions, shape, &acting, shift);
-            if !model.convex_in_v {
-                model.v_v_inverse.fill(f64::NAN);
-            }
-            assemble(&mut block, panel, table, local, weight, &model, panel.gap.is_some());
+            assemble(&mut block, panel, table, local, weight, &model, chords);
             self.models.push(model);
         }
         debug_assert_eq!(first_model + points, self.models.len());
@@ -503,7 +500,7 @@ impl Sweep {
                 put(rows, 3 * l, &(table.end[l] * through_end));
             }
             for (local, node) in panel.nodes.clone().enumerate() {
-                let form = self.models[model_of(mesh, k, local)].condense(&right.nodes[node]);
+                let form = self.models[model_of(mesh, k, local)].condense(&self.shapes[node], &right.nodes[node]);
                 put(rows, 3 * local, &form.turn);
                 for l in 0..points {
                     put(rows, 3 * l, &(table.derivative[local * points + l] / panel.length * form.rate));
@@ -578,9 +575,9 @@ impl Sweep {
                 let solved = Form { v: Vector3::zeros(), turn, rate, start, force };
                 let model = &self.models[model_of(mesh, k, local)];
                 // the model is per unit weight
-                step.v[node] = model.recover_v(&(right.nodes[node].v / mesh.data[node].weight), &solved);
                 let shape = &self.shapes[node];
-                let turned = shape.since_start.tr_mul(&start) + shape.turn.jacobian() * turn;
+                step.v[node] = model.recover_v(shape, &(right.nodes[node].v / mesh.data[node].weight), &solved);
+                let turned = shape.turned(&start, &turn);
                 step.size = larger(step.size, larger(turned.norm(), step.v[node].norm()));
             }
             let turned: Vector3<f64> =
@@ -603,8 +600,7 @@ impl Sweep {
         for k in panels {
             for node in mesh.panels[k].nodes.clone() {
                 let shape = &self.shapes[node];
-                let turned =
-                    shape.since_start.tr_mul(&step.cuts[k]) + shape.turn.jacobian() * step.turn[node];
+                let turned = shape.turned(&step.cuts[k], &step.turn[node]);
                 change += mesh.data[node].weight * (shape.rotation * (step.v[node] + turned.cross(&shape.v)));
             }
         }
@@ -658,10 +654,10 @@ struct Block<'a> {
 impl Block<'_> {
     #[inline(always)]
     fn add(&mut self, row: usize, column: usize, scale: f64, block: &Matrix3<f64>) {
-        for i in 0..3 {
-            let at = (row + i) * self.size + column;
-            for j in 0..3 {
-                self.entries[at + j] += scale * block[(i, j)];
+        for (i, line) in self.entries[row * self.size..].chunks_exact_mut(self.size).take(3).enumerate() {
+            let line = &mut line[column..column + 3];
+            for (j, entry) in line.iter_mut().enumerate() {
+                *entry += scale * block[(i, j)];
             }
         }
     }

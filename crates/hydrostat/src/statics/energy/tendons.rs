@@ -107,8 +107,8 @@ pub(super) fn length_form(mesh: &Mesh, sweep: &Sweep, tendon: usize, shares: boo
             let moment = passing.hole.cross(&t);
             let form = &mut column.nodes[node];
             form.v += t;
-            form.turn += shape.turn.jacobian_differential(&shape.rate).tr_mul(&moment);
-            form.rate += shape.turn.jacobian().tr_mul(&moment);
+            form.turn += shape.turn_u.tr_mul(&moment);
+            form.rate += shape.jacobian.tr_mul(&moment);
         }
     }
     for (number, gap) in mesh.gaps.iter().enumerate() {
