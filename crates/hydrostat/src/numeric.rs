@@ -1,7 +1,7 @@
 //! Numerical methods that know no robot.
 
+pub mod blocks;
 pub mod collocation;
-pub mod front;
 pub mod nonnegative;
 
 /// The explicit Runge-Kutta method of order 8 in 12 stages of Dormand and Prince, as in DOP853

@@ -138,7 +138,8 @@ mod tests {
                 p
             };
             let c = Collocation::new(count);
-            let top: f64 = c.points.iter().zip(&c.top).map(|(t, top)| top * (legendre(*t) - legendre(0.0))).sum();
+            let top: f64 =
+                c.points.iter().zip(&c.top).map(|(t, top)| top * (legendre(*t) - legendre(0.0))).sum();
             assert!((top - 1.0).abs() < 1e-9, "{count}: {top}");
         }
     }

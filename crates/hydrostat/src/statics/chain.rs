@@ -16,6 +16,8 @@ pub(super) struct Chain {
     pub(super) follower: bool,
     /// Whether all loads are dead forces, so that the equilibrium is the stationary point of an energy.
     pub(super) conservative: bool,
+    /// Whether no dead moment acts, so that the tangent is symmetric.
+    pub(super) symmetric: bool,
     cuts: Vec<f64>,
 }
 
@@ -192,7 +194,7 @@ impl Chain {
 
     /// Collects point and distributed loads on the spans, tip to base.
     fn apply_loads(&mut self, robot: &Robot) {
-        self.follower = false;
+        (self.follower, self.symmetric) = (false, true);
         // friction takes energy away
         self.conservative = robot.tendons.iter().all(|tendon| tendon.friction == 0.0);
         let spans = &mut self.spans;
@@ -213,6 +215,7 @@ impl Chain {
                     }
                     match frame {
                         Frame::World => {
+                            self.symmetric &= moment == Vector3::zeros();
                             spans[end].force_beyond += force;
                             spans[end].jump.moment += moment;
                         }
@@ -241,6 +244,7 @@ impl Chain {
                         if from < middle && middle < to {
                             match frame {
                                 Frame::World => {
+                                    self.symmetric &= moment_per_length == Vector3::zeros();
                                     span.force_per_length += force_per_length;
                                     span.moment_per_length += moment_per_length;
                                 }

@@ -42,6 +42,8 @@ pub(super) struct NodeData {
     pub(super) mass_moment: Vector3<f64>,
     /// The channel tendons that pass, among `Mesh::passing`.
     pub(super) passing: Range<usize>,
+    /// The gap in which it lies, if chords run there.
+    pub(super) gap: Option<usize>,
 }
 
 /// A channel tendon at a node.
@@ -169,6 +171,7 @@ impl Mesh {
             moment_per_length: of.moment_per_length,
             mass_moment: of.mass_moment(robot, s),
             passing: first..self.passing.len(),
+            gap: None,
         });
     }
 
@@ -191,6 +194,7 @@ impl Mesh {
             let count = self.panels[start..].iter().take_while(|panel| inside(panel)).count();
             for panel in &mut self.panels[start..start + count] {
                 panel.gap = Some(self.gaps.len());
+                self.data[panel.nodes.clone()].iter_mut().for_each(|data| data.gap = panel.gap);
             }
             self.gaps.push(Gap { panels: start..start + count, chords: first..self.chords.len() });
         }

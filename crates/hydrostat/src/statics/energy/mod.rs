@@ -4,6 +4,7 @@
 //! shear and stretch at its Gauss nodes (`mesh`, `node`); one block elimination along the chain gives Newton's step and the
 //! inertia of the Hessian (`sweep`, `newton`); `search` leads from the unloaded shape to the full load.
 
+mod factor;
 mod friction;
 mod mesh;
 mod newton;

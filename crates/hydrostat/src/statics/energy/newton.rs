@@ -1,7 +1,7 @@
 //! Newton's method for the stationary energy, with the held tendons' lengths as constraints.
 
 use super::mesh::Mesh;
-use super::sweep::{Column, Factored, Problem, Step, Sweep};
+use super::sweep::{Column, Problem, Step, Sweep};
 use super::tendons::{self, Drive};
 use super::{Memory, Tables};
 use crate::Robot;
@@ -83,19 +83,16 @@ impl Equations<'_> {
         sweep.place(mesh, self.tables);
         tendons::measure(mesh, sweep, &mut drive.lengths, self.robot.tendons.len());
         let problem = self.problem(&drive.tensions);
-        let factored = sweep.factor(&problem, mesh, shift, &mut linear.gradient);
+        let residual = sweep.gradient(&problem, mesh, &mut linear.gradient);
+        let negative = sweep.factor(&problem, mesh, shift);
         linear.gradient.negate();
         sweep.solve(mesh, self.tables, &linear.gradient, &mut linear.step);
         let held = self.hold(sweep, linear, drive, mesh);
         linear.slope = linear.gradient.dot(sweep, mesh, self.tables, &linear.step);
-        self.judge(factored, held, linear)
-    }
-
-    fn judge(&self, factored: Factored, held: Held, linear: &Linear) -> Linearised {
         Linearised {
             correction: larger(linear.step.size, held.change),
-            residual: larger(factored.residual, held.residual),
-            negative: factored.negative.map(|negative| negative.saturating_sub(held.negative)),
+            residual: larger(residual, held.residual),
+            negative: negative.map(|negative| negative.saturating_sub(held.negative)),
         }
     }
 

@@ -2,6 +2,7 @@
 
 use super::mesh::{NodeData, Passing};
 use crate::geometry::{RotationVector, hat};
+use crate::numeric::blocks::symmetric;
 use crate::statics::section::Pulled;
 use nalgebra::{Matrix3, Vector3};
 
@@ -66,7 +67,7 @@ pub(super) struct Form {
 }
 
 /// Quadratic model of a node's energy after elimination of v, theory (32); rows and columns as in [`Form`].
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Linearised {
     pub(super) turn_turn: Matrix3<f64>,
     pub(super) turn_rate: Matrix3<f64>,
@@ -87,7 +88,8 @@ pub(super) struct Linearised {
 }
 
 /// What pulls at a placed node: the section law with its tendons, and what acts on it in the body frame.
-struct Local {
+#[derive(Clone, Debug)]
+pub(super) struct Local {
     pulled: Pulled,
     /// The energy's gradient in u: K_bt (u - u*) + sum tau r x t.
     u_u: Vector3<f64>,
@@ -99,68 +101,64 @@ struct Local {
 }
 
 impl Local {
-    fn new(data: &NodeData, passing: &[Passing], tensions: &[f64], shape: &Shape, acting: &Acting) -> Self {
+    pub(super) fn new(
+        data: &NodeData,
+        passing: &[Passing],
+        tensions: &[f64],
+        shape: &Shape,
+        acting: &Acting,
+    ) -> Self {
         let mut pulled = Pulled::default();
         for tendon in passing {
             pulled.add(&tendon.pull(tensions), &shape.v, &shape.u);
         }
         let force = shape.rotation.tr_mul(&acting.force);
-        let weight = shape.rotation.tr_mul(&acting.gravity);
+        let to_body =
+            |of: &Vector3<f64>, acts: bool| if acts { shape.rotation.tr_mul(of) } else { Vector3::zeros() };
+        let weight = to_body(&acting.gravity, data.mass_moment != Vector3::zeros());
         Local {
             u_u: data.bend.component_mul(&(shape.u - data.rest_curvature)) + pulled.moment,
             pulled,
             moment: shape.v.cross(&force) + data.mass_moment.cross(&weight),
-            dead_moment: shape.rotation.tr_mul(&acting.moment_per_length),
+            dead_moment: to_body(&acting.moment_per_length, data.moment_per_length != Vector3::zeros()),
             force,
             weight,
         }
     }
 
-    /// theory (31)
-    fn gradient(&self, data: &NodeData, shape: &Shape) -> Form {
+    /// The energy's gradient for the weight of the node, theory (31).
+    pub(super) fn gradient(&self, data: &NodeData, shape: &Shape) -> Form {
         let u_v = data.shear.component_mul(&(shape.v - Vector3::z())) + self.pulled.force;
-        let moment = self.moment + self.dead_moment;
+        let moment = data.weight * (self.moment + self.dead_moment);
+        let u_u = data.weight * self.u_u;
         Form {
-            v: u_v - self.force,
-            turn: shape.turn_u.tr_mul(&self.u_u) - shape.jacobian.tr_mul(&moment),
-            rate: shape.jacobian.tr_mul(&self.u_u),
+            v: data.weight * (u_v - self.force),
+            turn: shape.turn_u.tr_mul(&u_u) - shape.jacobian.tr_mul(&moment),
+            rate: shape.jacobian.tr_mul(&u_u),
             start: -(shape.since_start * moment),
             force: Vector3::zeros(),
         }
     }
 }
 
-/// The energy's gradient at a node per unit weight, theory (31).
-pub(super) fn gradient(
-    data: &NodeData,
-    passing: &[Passing],
-    tensions: &[f64],
-    shape: &Shape,
-    acting: &Acting,
-) -> Form {
-    Local::new(data, passing, tensions, shape, acting).gradient(data, shape)
-}
-
-/// Gradient and Hessian at a node per unit weight, the Hessian with `shift` times the elastic part added, v eliminated. The blocks of the force beyond
+/// The Hessian at a node per unit weight with `shift` times the elastic part added, v eliminated. The blocks of the force beyond
 /// are filled where `chords` run beside the node.
 pub(super) fn linearise(
     data: &NodeData,
-    passing: &[Passing],
-    tensions: &[f64],
     shape: &Shape,
-    acting: &Acting,
+    local: &Local,
     shift: f64,
     chords: bool,
-) -> (Form, Linearised) {
+) -> Linearised {
     let stiffer = 1.0 + shift;
-    let local = Local::new(data, passing, tensions, shape, acting);
-    let Local { pulled, u_u, force, weight, moment, dead_moment } = &local;
+    let Local { pulled, u_u, force, weight, moment, dead_moment } = local;
     let (jacobian, b, back) = (&shape.jacobian, &shape.turn_u, &shape.since_start);
+    let free = data.passing.is_empty();
 
     // v eliminated from the form in du, the section's rotation a, and the force beyond
     let v_turned = -hat(force);
     let (v_v_inverse, mut uu, ua);
-    if passing.is_empty() {
+    if free {
         v_v_inverse = Matrix3::from_diagonal(&(stiffer * data.shear).map(f64::recip));
         (uu, ua) = (Matrix3::from_diagonal(&(stiffer * data.bend)), Matrix3::zeros());
     } else {
@@ -200,7 +198,7 @@ pub(super) fn linearise(
         v_u: pulled.v_u,
         v_turned,
     };
-    if !passing.is_empty() {
+    if !free {
         let mixed = b.tr_mul(&ua_turn);
         model.turn_turn += mixed + mixed.transpose();
         model.turn_rate += ua_turn.tr_mul(jacobian);
@@ -209,7 +207,7 @@ pub(super) fn linearise(
         model.start_rate = start_u * jacobian;
     }
     model.turn_start = model.start_turn.transpose();
-    if acting.moment_per_length != Vector3::zeros() {
+    if *dead_moment != Vector3::zeros() {
         // a dead moment is not the slope of an energy
         let follow = jacobian.tr_mul(&(-hat(dead_moment)));
         model.turn_turn += follow * jacobian - shape.turn.transpose_differential(dead_moment);
@@ -223,22 +221,18 @@ pub(super) fn linearise(
         model.turn_force = jacobian.tr_mul(&turned_force);
         model.start_force = back * turned_force;
         model.force_force = -(shape.rotation * of_force);
-        if !passing.is_empty() {
+        if !free {
             let u_force = pulled.v_u.tr_mul(&of_force);
             model.turn_force += b.tr_mul(&u_force);
             model.rate_force = jacobian.tr_mul(&u_force);
         }
     }
-    (local.gradient(data, shape), model)
+    model
 }
 
 /// hat(a) hat(b) with the sign changed: a . b - b a^T.
 fn outer_less_dot(a: &Vector3<f64>, b: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::from_diagonal_element(a.dot(b)) - b * a.transpose()
-}
-
-fn symmetric(m: &Matrix3<f64>) -> Matrix3<f64> {
-    0.5 * (m + m.transpose())
 }
 
 /// Inverse of a symmetric matrix; NaN where it is not positive definite.

@@ -5,12 +5,13 @@
 //! chords take (nu), the displacement between the plates (d) and the rotation of the first plate, until the gap begins.
 
 use super::mesh::{Mesh, Panel, Tables};
-use super::node::{self, Acting, Form, Linearised, Shape};
-use crate::geometry::{RotationVector, hat};
+use super::node::{Form, Linearised, Local, Shape};
+use crate::geometry::RotationVector;
+use crate::numeric::blocks;
 use crate::numeric::collocation::Collocation;
-use crate::numeric::{front, larger};
+use crate::numeric::larger;
 use crate::statics::chain::Chain;
-use nalgebra::{Matrix3, SMatrix, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
 /// What the energy is made of, beside the shape.
 #[derive(Clone, Copy)]
@@ -25,46 +26,56 @@ pub(super) struct Problem<'a> {
     pub(super) tensions: &'a [f64],
 }
 
-/// State and gap variables: rotation of the cut, then nu, d and the rotation of the gap's first plate.
-const STATE: usize = 3;
-const CARRIED: usize = 12;
-type Carried = SMatrix<f64, CARRIED, CARRIED>;
-/// Rows of the gap's own elimination: nu, d, then the rotation of the plate.
-const GAP: usize = 9;
-const GAP_PIVOTS: usize = 6;
+/// Blocks of a panel's front behind its turns: the rotation of its start, and in a gap nu, d and the rotation of the first plate.
+pub(super) const STATE: usize = 1;
+pub(super) const IN_GAP: usize = 4;
+/// Blocks of a gap's own elimination: nu and d, then the rotation of its first plate.
+pub(super) const GAP: usize = 3;
+pub(super) const GAP_PIVOTS: usize = 2;
 
 /// Scratch memory of the linearisation, and its factors.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sweep {
     pub(super) shapes: Vec<Shape>,
-    models: Vec<Linearised>,
-    /// Fronts of the panels, one behind the other, and where each begins.
-    fronts: Vec<f64>,
-    starts: Vec<usize>,
-    ends: Vec<End>,
-    /// Internal moment at the end of each panel, on its base side, body frame.
-    moments: Vec<Vector3<f64>>,
-    gaps: Vec<GapFront>,
+    pub(super) locals: Vec<Local>,
+    pub(super) models: Vec<Linearised>,
+    pub(super) panels: Vec<PanelFront>,
+    /// Blocks of the panels' fronts, one panel behind the other.
+    pub(super) fronts: Vec<Matrix3<f64>>,
+    pub(super) gaps: Vec<GapFront>,
     /// Right-hand sides on their way through the fronts.
-    right: Vec<f64>,
-    right_starts: Vec<usize>,
+    right: Vec<Vector3<f64>>,
+}
+
+/// A panel's part of the elimination.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PanelFront {
+    /// Where its blocks begin among `fronts`, and its rows among `right`.
+    pub(super) blocks: usize,
+    rows: usize,
+    /// Blocks a side.
+    pub(super) size: usize,
+    pub(super) end: End,
+    /// The energy's slope in the rotation of the end, body frame, and the internal moment there, on the base side.
+    pub(super) slope: Vector3<f64>,
 }
 
 /// From the start of a panel to its end: `theta+ = across theta + jacobian d(turn)`.
 #[derive(Clone, Copy, Debug)]
-struct End {
-    across: Matrix3<f64>,
-    jacobian: Matrix3<f64>,
+pub(super) struct End {
+    pub(super) turn: RotationVector,
+    pub(super) across: Matrix3<f64>,
+    pub(super) jacobian: Matrix3<f64>,
 }
 
 /// The elimination of a gap's nu and d, the force that its chords carry, and the gradient with respect to its plates.
-#[derive(Clone, Debug)]
-struct GapFront {
-    matrix: [f64; GAP * GAP],
-    right: [f64; GAP],
-    force: Vector3<f64>,
-    first_plate: Vector3<f64>,
-    second_plate: Vector3<f64>,
+#[derive(Clone, Debug, Default)]
+pub(super) struct GapFront {
+    pub(super) blocks: [Matrix3<f64>; GAP * GAP],
+    right: [Vector3<f64>; GAP],
+    pub(super) force: Vector3<f64>,
+    pub(super) first_plate: Vector3<f64>,
+    pub(super) second_plate: Vector3<f64>,
 }
 
 /// A linear form on all variations: of the nodes, of the rotations of the cuts, of the gaps' displacements and first plates.
@@ -84,15 +95,6 @@ pub(super) struct Step {
     pub(super) cuts: Vec<Vector3<f64>>,
     /// Largest rotation of a node, rad, or change of its v.
     pub(super) size: f64,
-}
-
-/// What an elimination found.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Factored {
-    /// Directions in which the energy falls; None where the elimination broke down.
-    pub(super) negative: Option<usize>,
-    /// Largest gradient in units of stiffness / length.
-    pub(super) residual: f64,
 }
 
 impl Column {
@@ -168,19 +170,30 @@ impl Sweep {
     /// Poses of cuts and nodes by the turns and strains of the mesh.
     pub(super) fn place(&mut self, mesh: &mut Mesh, tables: &Tables) {
         self.shapes.clear();
+        self.panels.clear();
+        let (mut blocks, mut rows) = (0, 0);
         for k in 0..mesh.panels.len() {
-            let panel = mesh.panels[k].clone();
+            let panel = &mesh.panels[k];
             let table = tables.of(panel.nodes.len());
             let (start, mut position) = (mesh.rotations[k], mesh.positions[k]);
             for (local, node) in panel.nodes.clone().enumerate() {
-                let rate = mesh.turn_rate(&panel, table, local);
+                let rate = mesh.turn_rate(panel, table, local);
                 let shape = Shape::new(&start, mesh.turn[node], rate, mesh.v[node]);
                 position += mesh.data[node].weight * (shape.rotation * shape.v);
                 self.shapes.push(shape);
             }
-            mesh.rotations[k + 1] = start * RotationVector::new(mesh.end_turn(&panel, table)).rotation();
+            let turn = RotationVector::new(mesh.end_turn(panel, table));
+            let since_start = turn.rotation();
+            let end = End { across: since_start.transpose(), jacobian: turn.jacobian(), turn };
+            let size = panel.nodes.len() + if panel.gap.is_some() { IN_GAP } else { STATE };
+            self.panels.push(PanelFront { blocks, rows, size, end, slope: Vector3::zeros() });
+            (blocks, rows) = (blocks + size * size, rows + size);
+            mesh.rotations[k + 1] = start * since_start;
             mesh.positions[k + 1] = position;
         }
+        self.fronts.resize(blocks, Matrix3::zeros());
+        self.right.resize(rows, Vector3::zeros());
+        self.models.resize_with(mesh.data.len(), Linearised::default);
     }
 
     /// The energy of the placed shape, theory (30): elastic, tensions times lengths, work of the dead forces.
@@ -201,269 +214,9 @@ impl Sweep {
         energy + problem.tensions.iter().zip(lengths).map(|(tension, length)| tension * length).sum::<f64>()
     }
 
-    /// Linearises at the placed shape and eliminates, with `shift` times the elastic part added to the Hessian; the gradient goes to `gradient`.
-    pub(super) fn factor(
-        &mut self,
-        problem: &Problem,
-        mesh: &Mesh,
-        shift: f64,
-        gradient: &mut Column,
-    ) -> Factored {
-        gradient.clear(mesh);
-        self.reset(mesh);
-        let mut negative = Some(0);
-        let mut carried = Carried::zeros();
-        let mut slope = Vector3::zeros();
-        let mut residual = 0.0;
-        for k in (0..mesh.panels.len()).rev() {
-            let panel = &mesh.panels[k];
-            if panel.ends_span {
-                let (moment, hessian) = point_loads(problem, mesh, k);
-                slope += moment;
-                gradient.cuts[k + 1] += moment;
-                add(&mut carried, 0, 0, &hessian);
-            }
-            let gap = panel.gap.map(|gap| (gap, &mesh.gaps[gap]));
-            if let Some((number, _)) = gap.filter(|(_, gap)| gap.panels.end == k + 1) {
-                self.enter_gap(problem, mesh, number, &mut carried);
-                let of = &self.gaps[number];
-                slope += of.second_plate;
-                gradient.cuts[k + 1] += of.second_plate;
-                // the energy's slope in d is what the chords carry, and closes by itself
-                gradient.gaps[number][1] = of.first_plate;
-            }
-            self.moments[k] = -slope;
-            let eliminated =
-                self.eliminate_panel(problem, mesh, k, shift, &mut carried, &mut slope, gradient);
-            residual = larger(residual, eliminated.1);
-            negative = sum(negative, eliminated.0);
-            if let Some((number, _)) = gap.filter(|(_, gap)| gap.panels.start == k) {
-                slope += self.gaps[number].first_plate;
-                let pivots = self.leave_gap(number, &mut carried);
-                negative = sum(negative, pivots);
-            }
-        }
-        // every gap's nu is a multiplier, with three negative pivots of its own
-        let multipliers = 3 * mesh.gaps.iter().filter(|gap| !gap.panels.is_empty()).count();
-        let negative = negative.and_then(|negative| negative.checked_sub(multipliers));
-        let unit = problem.chain.length / problem.chain.stiffness;
-        for (node, form) in gradient.nodes.iter().enumerate() {
-            let strain = form.v.component_div(&mesh.data[node].shear) / mesh.data[node].weight;
-            residual = larger(residual, strain.amax() / unit);
-        }
-        Factored { negative, residual: residual * unit }
-    }
-
-    fn reset(&mut self, mesh: &Mesh) {
-        self.models.clear();
-        self.fronts.clear();
-        self.starts.clear();
-        self.right_starts.clear();
-        self.ends.clear();
-        let (mut at, mut right) = (0, 0);
-        for panel in &mesh.panels {
-            self.starts.push(at);
-            self.right_starts.push(right);
-            let size = front_size(panel);
-            at += size * size;
-            right += size;
-            self.ends.push(End { across: Matrix3::identity(), jacobian: Matrix3::identity() });
-        }
-        self.moments.resize(mesh.panels.len(), Vector3::zeros());
-        self.fronts.resize(at, 0.0);
-        self.right.resize(right, 0.0);
-        self.gaps.clear();
-        self.gaps.resize(
-            mesh.gaps.len(),
-            GapFront {
-                matrix: [0.0; GAP * GAP],
-                right: [0.0; GAP],
-                force: Vector3::zeros(),
-                first_plate: Vector3::zeros(),
-                second_plate: Vector3::zeros(),
-            },
-        );
-    }
-
-    /// The chords at the end of their gap: energy tau |c| with c from hole to hole, theory (33).
-    fn enter_gap(&mut self, problem: &Problem, mesh: &Mesh, number: usize, carried: &mut Carried) {
-        let gap = &mesh.gaps[number];
-        let (a, b) = (gap.panels.start, gap.panels.end);
-        let (first, second) = (&mesh.rotations[a], &mesh.rotations[b]);
-        let displacement = mesh.positions[b] - mesh.positions[a];
-        let front = &mut self.gaps[number];
-        for axis in 0..3 {
-            carried[(3 + axis, 6 + axis)] += 1.0;
-            carried[(6 + axis, 3 + axis)] += 1.0;
-        }
-        for chord in &mesh.chords[gap.chords.clone()] {
-            let tension = problem.tensions[chord.tendon] * chord.share;
-            let span = displacement + second * chord.holes[1] - first * chord.holes[0];
-            let length = span.norm();
-            let t = span / length;
-            let across = (Matrix3::identity() - t * t.transpose()) * (tension / length);
-            let (pull_a, pull_b) = (first.tr_mul(&(tension * t)), second.tr_mul(&(tension * t)));
-            front.force -= tension * t;
-            front.first_plate -= chord.holes[0].cross(&pull_a);
-            front.second_plate += chord.holes[1].cross(&pull_b);
-            // d(span) over the rotations of second plate, d, first plate
-            let by = [
-                (0, -(second * hat(&chord.holes[1]))),
-                (6, Matrix3::identity()),
-                (9, first * hat(&chord.holes[0])),
-            ];
-            for (row, left) in &by {
-                for (column, right) in &by {
-                    add(carried, *row, *column, &(left.tr_mul(&across) * right));
-                }
-            }
-            add(carried, 0, 0, &symmetric(&(hat(&pull_b) * hat(&chord.holes[1]))));
-            add(carried, 9, 9, &-symmetric(&(hat(&pull_a) * hat(&chord.holes[0]))));
-        }
-    }
-
-    /// Joins the panel's start with the gap's first plate and eliminates nu and d.
-    fn leave_gap(&mut self, number: usize, carried: &mut Carried) -> Option<usize> {
-        // rows of the gap's front among the carried ones; the rotation appears twice there
-        const ROWS: [[usize; 2]; GAP] =
-            [[3, 3], [4, 4], [5, 5], [6, 6], [7, 7], [8, 8], [0, 9], [1, 10], [2, 11]];
-        let front = &mut self.gaps[number].matrix;
-        for (i, rows) in ROWS.iter().enumerate() {
-            for (j, columns) in ROWS.iter().enumerate() {
-                let mut sum = carried[(rows[0], columns[0])];
-                if i >= GAP_PIVOTS {
-                    sum += carried[(rows[1], columns[0])];
-                }
-                if j >= GAP_PIVOTS {
-                    sum += carried[(rows[0], columns[1])];
-                }
-                if i >= GAP_PIVOTS && j >= GAP_PIVOTS {
-                    sum += carried[(rows[1], columns[1])];
-                }
-                front[i * GAP + j] = sum;
-            }
-        }
-        let negative = front::eliminate(front, GAP, GAP_PIVOTS);
-        *carried = Carried::zeros();
-        for i in 0..STATE {
-            for j in 0..STATE {
-                carried[(i, j)] = front[(GAP_PIVOTS + i) * GAP + GAP_PIVOTS + j];
-            }
-        }
-        negative
-    }
-
-    /// Linearises a panel, adds what is carried from beyond, and eliminates its turns. Returns the negative pivots and the
-    /// largest gradient.
-    #[allow(clippy::too_many_arguments, reason = "one stage of `factor`, which owns what is carried")]
-    fn eliminate_panel(
-        &mut self,
-        problem: &Problem,
-        mesh: &Mesh,
-        k: usize,
-        shift: f64,
-        carried: &mut Carried,
-        slope: &mut Vector3<f64>,
-        gradient: &mut Column,
-    ) -> (Option<usize>, f64) {
-        let panel = &mesh.panels[k];
-        let table = problem.tables.of(panel.nodes.len());
-        let points = panel.nodes.len();
-        let size = front_size(panel);
-        let state = 3 * points;
-        let chords = panel.gap.map_or(Vector3::zeros(), |gap| self.gaps[gap].force);
-        let front = &mut self.fronts[self.starts[k]..self.starts[k] + size * size];
-        front.fill(0.0);
-        let mut block = Block { entries: front, size };
-
-        // what lies beyond the end
-        let turn = RotationVector::new(mesh.end_turn(panel, table));
-        let end = End { across: turn.rotation().transpose(), jacobian: turn.jacobian() };
-        self.ends[k] = end;
-        let beyond: Matrix3<f64> = carried.fixed_view::<3, 3>(0, 0).into();
-        let curl = symmetric(&turn.transpose_differential(slope));
-        let turn_turn = end.jacobian.tr_mul(&(beyond * end.jacobian)) + curl;
-        let half = 0.5 * end.jacobian.tr_mul(&(hat(slope) * end.across));
-        let turn_start = end.jacobian.tr_mul(&(beyond * end.across)) + half;
-        let start_turn = end.across.tr_mul(&(beyond * end.jacobian)) + half.transpose();
-        for (i, row) in table.end.iter().enumerate() {
-            for (j, column) in table.end.iter().enumerate() {
-                block.add(3 * i, 3 * j, row * column, &turn_turn);
-            }
-            block.add(3 * i, state, *row, &turn_start);
-            block.add(state, 3 * i, *row, &start_turn);
-        }
-        block.add(state, state, 1.0, &(end.across.tr_mul(&(beyond * end.across))));
-        if panel.gap.is_some() {
-            for gap in (3..CARRIED).step_by(3) {
-                let right: Matrix3<f64> = carried.fixed_view::<3, 3>(0, gap).into();
-                let left: Matrix3<f64> = carried.fixed_view::<3, 3>(gap, 0).into();
-                for (i, e) in table.end.iter().enumerate() {
-                    block.add(3 * i, state + gap, *e, &end.jacobian.tr_mul(&right));
-                    block.add(state + gap, 3 * i, *e, &(left * end.jacobian));
-                }
-                block.add(state, state + gap, 1.0, &end.across.tr_mul(&right));
-                block.add(state + gap, state, 1.0, &(left * end.across));
-                for other in (3..CARRIED).step_by(3) {
-                    let entry: Matrix3<f64> = carried.fixed_view::<3, 3>(gap, other).into();
-                    block.add(state + gap, state + other, 1.0, &entry);
-                }
-            }
-        }
-
-        // the nodes
-        let mut largest = 0.0_f64;
-        let first_model = self.models.len();
-        let mut new_slope = end.across.tr_mul(slope);
-        for (local, node) in panel.nodes.clone().enumerate() {
-            let (data, shape) = (&mesh.data[node], &self.shapes[node]);
-            let passing = &mesh.passing[data.passing.clone()];
-            let acting = Acting {
-                force: problem.factor * data.force + chords,
-                moment_per_length: problem.factor * data.moment_per_length,
-                gravity: problem.factor * problem.gravity,
-            };
-            let chords = panel.gap.is_some();
-            let (form, model) = node::linearise(data, passing, problem.tensions, shape, &acting, shift, chords);
-            let weight = data.weight;
-            gradient.nodes[node] = Form {
-                v: weight * form.v,
-                turn: weight * form.turn,
-                rate: weight * form.rate,
-                start: weight * form.start,
-                force: Vector3::zeros(),
-            };
-            new_slope += weight * form.start;
-            assemble(&mut block, panel, table, local, weight, &model, chords);
-            self.models.push(model);
-        }
-        debug_assert_eq!(first_model + points, self.models.len());
-
-        // the gradient with respect to the turns, for the residual
-        for l in 0..points {
-            let mut sum = table.end[l] * end.jacobian.tr_mul(slope);
-            for (local, node) in panel.nodes.clone().enumerate() {
-                sum += table.derivative[local * points + l] / panel.length * gradient.nodes[node].rate;
-                if local == l {
-                    sum += gradient.nodes[node].turn;
-                }
-            }
-            largest = larger(largest, sum.amax());
-        }
-        *slope = new_slope;
-
-        let negative = front::eliminate(block.entries, size, state);
-        for i in 0..size - state {
-            for j in 0..size - state {
-                carried[(i, j)] = block.entries[(state + i) * size + state + j];
-            }
-        }
-        (negative, largest)
-    }
-
     /// Internal moment at the end of a panel, on its base side, body frame, as [`Sweep::factor`] found it.
     pub(super) fn end_moment(&self, k: usize) -> Vector3<f64> {
-        self.moments[k]
+        -self.panels[k].slope
     }
 
     /// Force that the chords beside a panel take from the backbone, world frame.
@@ -478,57 +231,45 @@ impl Sweep {
     }
 
     fn tip_to_base(&mut self, mesh: &Mesh, tables: &Tables, right: &Column) {
-        let (mut state, mut gap_rows) = (Vector3::zeros(), [0.0; CARRIED]);
+        let (mut state, mut in_gap) = (Vector3::zeros(), [Vector3::zeros(); 3]);
         for k in (0..mesh.panels.len()).rev() {
             let panel = &mesh.panels[k];
-            let table = tables.of(panel.nodes.len());
-            let (points, size, end) = (panel.nodes.len(), front_size(panel), self.ends[k]);
-            let count = 3 * points;
+            let PanelFront { blocks, rows, size, end, .. } = self.panels[k];
+            let (table, points) = (tables.of(panel.nodes.len()), panel.nodes.len());
             state += right.cuts[k + 1];
             if let Some(gap) = panel.gap.filter(|gap| mesh.gaps[*gap].panels.end == k + 1) {
-                gap_rows = [0.0; CARRIED];
-                for axis in 0..3 {
-                    gap_rows[6 + axis] = right.gaps[gap][0][axis];
-                    gap_rows[9 + axis] = right.gaps[gap][1][axis];
-                }
+                let [displacement, plate] = right.gaps[gap];
+                in_gap = [Vector3::zeros(), displacement, plate];
             }
-            let rows = &mut self.right[self.right_starts[k]..self.right_starts[k] + size];
-            rows.fill(0.0);
+            let rows = &mut self.right[rows..rows + size];
             let mut start = end.across.tr_mul(&state);
             let through_end = end.jacobian.tr_mul(&state);
-            for l in 0..points {
-                put(rows, 3 * l, &(table.end[l] * through_end));
+            for (row, e) in rows.iter_mut().zip(&table.end) {
+                *row = *e * through_end;
             }
             for (local, node) in panel.nodes.clone().enumerate() {
-                let form = self.models[model_of(mesh, k, local)].condense(&self.shapes[node], &right.nodes[node]);
-                put(rows, 3 * local, &form.turn);
-                for l in 0..points {
-                    put(rows, 3 * l, &(table.derivative[local * points + l] / panel.length * form.rate));
+                let form = self.models[node].condense(&self.shapes[node], &right.nodes[node]);
+                rows[local] += form.turn;
+                let rate = form.rate / panel.length;
+                for (row, d) in rows.iter_mut().zip(&table.derivative[local * points..(local + 1) * points]) {
+                    *row += *d * rate;
                 }
                 start += form.start;
-                if panel.gap.is_some() {
-                    for axis in 0..3 {
-                        gap_rows[3 + axis] += form.force[axis];
-                    }
-                }
+                in_gap[0] += form.force;
             }
-            put(rows, count, &start);
+            rows[points] = start;
             if panel.gap.is_some() {
-                rows[count + 3..].copy_from_slice(&gap_rows[3..]);
+                rows[points + 1..].copy_from_slice(&in_gap);
             }
-            let front = &self.fronts[self.starts[k]..self.starts[k] + size * size];
-            front::forward(front, size, count, rows);
-            state = Vector3::from_column_slice(&rows[count..count + 3]);
+            blocks::forward(&self.fronts[blocks..blocks + size * size], size, points, rows);
+            state = rows[points];
             if let Some(gap) = panel.gap {
-                gap_rows[3..].copy_from_slice(&rows[count + 3..]);
+                in_gap.copy_from_slice(&rows[points + 1..]);
                 if mesh.gaps[gap].panels.start == k {
                     let front = &mut self.gaps[gap];
-                    front.right[..6].copy_from_slice(&gap_rows[3..9]);
-                    for axis in 0..3 {
-                        front.right[6 + axis] = state[axis] + gap_rows[9 + axis];
-                    }
-                    front::forward(&front.matrix, GAP, GAP_PIVOTS, &mut front.right);
-                    state = Vector3::from_column_slice(&front.right[6..]);
+                    front.right = [in_gap[0], in_gap[1], state + in_gap[2]];
+                    blocks::forward(&front.blocks, GAP, GAP_PIVOTS, &mut front.right);
+                    state = front.right[GAP_PIVOTS];
                 }
             }
         }
@@ -540,51 +281,48 @@ impl Sweep {
         step.cuts.resize(mesh.panels.len() + 1, Vector3::zeros());
         step.cuts[0] = Vector3::zeros();
         step.size = 0.0;
-        let mut gap_values = [0.0; CARRIED];
+        let mut in_gap = [Vector3::zeros(); 3];
         for k in 0..mesh.panels.len() {
             let panel = &mesh.panels[k];
-            let table = tables.of(panel.nodes.len());
-            let (points, size, end) = (panel.nodes.len(), front_size(panel), self.ends[k]);
-            let count = 3 * points;
+            let PanelFront { blocks, rows, size, end, .. } = self.panels[k];
+            let (table, points) = (tables.of(panel.nodes.len()), panel.nodes.len());
             let start = step.cuts[k];
             if let Some(gap) = panel.gap.filter(|gap| mesh.gaps[*gap].panels.start == k) {
-                let front = &mut self.gaps[gap];
-                let mut values = front.right;
-                values[6..].copy_from_slice(start.as_slice());
-                front::backward(&front.matrix, GAP, GAP_PIVOTS, &mut values);
-                gap_values[3..9].copy_from_slice(&values[..6]);
-                gap_values[9..].copy_from_slice(start.as_slice());
+                let front = &self.gaps[gap];
+                let mut values = [front.right[0], front.right[1], start];
+                blocks::backward(&front.blocks, GAP, GAP_PIVOTS, &mut values);
+                in_gap = values;
             }
-            let rows = &mut self.right[self.right_starts[k]..self.right_starts[k] + size];
-            rows[count..count + 3].copy_from_slice(start.as_slice());
+            let rows = &mut self.right[rows..rows + size];
+            rows[points] = start;
             if panel.gap.is_some() {
-                rows[count + 3..].copy_from_slice(&gap_values[3..]);
+                rows[points + 1..].copy_from_slice(&in_gap);
             }
-            front::backward(&self.fronts[self.starts[k]..self.starts[k] + size * size], size, count, rows);
+            blocks::backward(&self.fronts[blocks..blocks + size * size], size, points, rows);
+            let turns = &mut step.turn[panel.nodes.clone()];
+            turns.copy_from_slice(&rows[..points]);
+            let force = if panel.gap.is_some() { in_gap[0] } else { Vector3::zeros() };
+            let mut turned = Vector3::zeros();
             for (local, node) in panel.nodes.clone().enumerate() {
-                step.turn[node] = Vector3::from_column_slice(&rows[3 * local..3 * local + 3]);
-            }
-            let force = if panel.gap.is_some() {
-                Vector3::from_column_slice(&gap_values[3..6])
-            } else {
-                Vector3::zeros()
-            };
-            for (local, node) in panel.nodes.clone().enumerate() {
-                let turn = step.turn[node];
-                let rate = rate_of(panel, table, local, &step.turn[panel.nodes.clone()]);
-                let solved = Form { v: Vector3::zeros(), turn, rate, start, force };
-                let model = &self.models[model_of(mesh, k, local)];
+                let (turn, shape) = (turns[local], &self.shapes[node]);
+                let solved = Form {
+                    v: Vector3::zeros(),
+                    turn,
+                    rate: rate_of(panel, table, local, turns),
+                    start,
+                    force,
+                };
                 // the model is per unit weight
-                let shape = &self.shapes[node];
-                step.v[node] = model.recover_v(shape, &(right.nodes[node].v / mesh.data[node].weight), &solved);
-                let turned = shape.turned(&start, &turn);
-                step.size = larger(step.size, larger(turned.norm(), step.v[node].norm()));
+                let form = right.nodes[node].v / mesh.data[node].weight;
+                step.v[node] = self.models[node].recover_v(shape, &form, &solved);
+                let size = shape.turned(&start, &turn).norm_squared().max(step.v[node].norm_squared());
+                step.size = larger(step.size, size);
+                turned += table.end[local] * turn;
             }
-            let turned: Vector3<f64> =
-                table.end.iter().zip(&step.turn[panel.nodes.clone()]).map(|(e, turn)| *e * turn).sum();
             step.cuts[k + 1] = end.across * start + end.jacobian * turned;
-            step.size = larger(step.size, step.cuts[k + 1].norm());
+            step.size = larger(step.size, step.cuts[k + 1].norm_squared());
         }
+        step.size = step.size.sqrt();
     }
 
     /// Change of the displacement across some panels.
@@ -605,102 +343,5 @@ impl Sweep {
             }
         }
         change
-    }
-}
-
-/// Gradient and Hessian of the point loads at the end of panel `k` with respect to the rotation there.
-fn point_loads(problem: &Problem, mesh: &Mesh, k: usize) -> (Vector3<f64>, Matrix3<f64>) {
-    let jump = &problem.chain.spans[mesh.panels[k].span].jump;
-    let to_body = problem.factor * mesh.rotations[k + 1].transpose();
-    let (moment, weight) = (to_body * jump.moment, to_body * problem.gravity);
-    let slope = -moment - jump.hung.cross(&weight);
-    (slope, -0.5 * hat(&moment) - symmetric(&(hat(&weight) * hat(&jump.hung))))
-}
-
-/// Models are stored as they were made, from the tip's panel on.
-fn model_of(mesh: &Mesh, k: usize, local: usize) -> usize {
-    mesh.data.len() - mesh.panels[k].nodes.end + local
-}
-
-fn front_size(panel: &Panel) -> usize {
-    3 * panel.nodes.len() + if panel.gap.is_some() { CARRIED } else { STATE }
-}
-
-fn sum(a: Option<usize>, b: Option<usize>) -> Option<usize> {
-    Some(a? + b?)
-}
-
-fn symmetric(m: &Matrix3<f64>) -> Matrix3<f64> {
-    0.5 * (m + m.transpose())
-}
-
-fn add(carried: &mut Carried, row: usize, column: usize, block: &Matrix3<f64>) {
-    let mut view = carried.fixed_view_mut::<3, 3>(row, column);
-    view += block;
-}
-
-fn put(rows: &mut [f64], at: usize, values: &Vector3<f64>) {
-    for axis in 0..3 {
-        rows[at + axis] += values[axis];
-    }
-}
-
-/// A square matrix in 3 x 3 blocks.
-struct Block<'a> {
-    entries: &'a mut [f64],
-    size: usize,
-}
-
-impl Block<'_> {
-    #[inline(always)]
-    fn add(&mut self, row: usize, column: usize, scale: f64, block: &Matrix3<f64>) {
-        for (i, line) in self.entries[row * self.size..].chunks_exact_mut(self.size).take(3).enumerate() {
-            let line = &mut line[column..column + 3];
-            for (j, entry) in line.iter_mut().enumerate() {
-                *entry += scale * block[(i, j)];
-            }
-        }
-    }
-}
-
-/// Adds the model of one node to the front of its panel.
-fn assemble(
-    block: &mut Block,
-    panel: &Panel,
-    table: &Collocation,
-    local: usize,
-    weight: f64,
-    model: &Linearised,
-    in_gap: bool,
-) {
-    let points = panel.nodes.len();
-    let state = 3 * points;
-    let rates = &table.derivative[local * points..(local + 1) * points];
-    let rate = |l: usize| rates[l] / panel.length;
-    let rate_turn = model.turn_rate.transpose();
-    for i in 0..points {
-        for j in 0..points {
-            block.add(3 * i, 3 * j, weight * rate(i) * rate(j), &model.rate_rate);
-        }
-        block.add(3 * local, 3 * i, weight * rate(i), &model.turn_rate);
-        block.add(3 * i, 3 * local, weight * rate(i), &rate_turn);
-        block.add(state, 3 * i, weight * rate(i), &model.start_rate);
-        block.add(3 * i, state, weight * rate(i), &model.start_rate.transpose());
-    }
-    block.add(3 * local, 3 * local, weight, &model.turn_turn);
-    block.add(3 * local, state, weight, &model.turn_start);
-    block.add(state, 3 * local, weight, &model.start_turn);
-    block.add(state, state, weight, &model.start_start);
-    if in_gap {
-        let nu = state + 3;
-        for i in 0..points {
-            block.add(3 * i, nu, weight * rate(i), &model.rate_force);
-            block.add(nu, 3 * i, weight * rate(i), &model.rate_force.transpose());
-        }
-        block.add(3 * local, nu, weight, &model.turn_force);
-        block.add(nu, 3 * local, weight, &model.turn_force.transpose());
-        block.add(state, nu, weight, &model.start_force);
-        block.add(nu, state, weight, &model.start_force.transpose());
-        block.add(nu, nu, weight, &model.force_force);
     }
 }
