@@ -4,6 +4,7 @@
 //! shear and stretch at its Gauss nodes (`mesh`, `node`); one block elimination along the chain gives Newton's step and the
 //! inertia of the Hessian (`sweep`, `newton`); `search` leads from the unloaded shape to the full load.
 
+mod derivatives;
 mod friction;
 mod mesh;
 mod newton;
@@ -15,6 +16,7 @@ mod tendons;
 mod tests;
 mod trust;
 
+pub(super) use derivatives::derivatives;
 pub(super) use search::{Found, Start, find};
 
 use mesh::{Layout, Mesh, Tables};
