@@ -91,6 +91,10 @@ fn compare(what: &str, found: &Derivative, expected: &Derivative, change: f64) {
     }
 }
 
+fn with_friction(text: &str) -> String {
+    text.replace("[[tendon]]", "[[tendon]]\nfriction = 0.15")
+}
+
 fn robots() -> Vec<Robot> {
     let stretching = TWO_SECTIONS.replace("breaking_load", "stiffness = \"3 kN\"\nbreaking_load");
     vec![
@@ -100,6 +104,8 @@ fn robots() -> Vec<Robot> {
         // taut by displacement in both sections, one by tension, the others slack
         commanded(&stretching, "a=6N", "b=0mm,c=-3mm,d=2mm,e=4mm,f=-9mm"),
         commanded(HELICAL, "straight2=1N", "helix=2mm,straight1=1mm"),
+        commanded(&with_friction(HELICAL), "", ""),
+        commanded(&with_friction(&stretching), "a=6N", "b=0mm,c=-3mm,d=2mm,e=4mm,f=-9mm"),
     ]
 }
 
@@ -181,7 +187,7 @@ fn tip_wrench() {
 /// A parameter by its effect: the robot with that part more of it, and what that part is of.
 type Change = (&'static str, fn(&mut Robot, f64));
 
-const PARAMETERS: [Change; 11] = [
+const PARAMETERS: [Change; 12] = [
     ("E and G", |robot, part| {
         for section in &mut robot.sections {
             section.material.youngs_modulus *= 1.0 + part;
@@ -217,6 +223,7 @@ const PARAMETERS: [Change; 11] = [
             tendon.stiffness = tendon.stiffness.map(|stiffness| stiffness * (1.0 + part));
         }
     }),
+    ("friction", |robot, part| robot.tendons.iter_mut().for_each(|tendon| tendon.friction *= 1.0 + part)),
     ("force along the backbone", |robot, part| {
         robot.loads.push(Load {
             name: None,
@@ -254,7 +261,8 @@ fn parameters() {
 /// Betti: the tip moves along F by as much per tension as the tendon gives way per force, and so on.
 #[test]
 fn reciprocity() {
-    for robot in robots() {
+    let lossless = |robot: &Robot| robot.tendons.iter().all(|tendon| tendon.friction == 0.0);
+    for robot in robots().into_iter().filter(lossless) {
         let (shape, mut workspace) = solved(&robot);
         let inputs: Vec<Input> = Input::tip_wrench().into_iter().chain(Input::commands(&robot)).collect();
         let found = derivatives(&robot, &mut workspace, &[robot.length()], &inputs).expect("derivatives");

@@ -10,6 +10,7 @@ use super::tendons::{self, Drive};
 use super::{Energy, Memory, friction};
 use crate::geometry::RotationVector;
 use crate::model::Command;
+use crate::numeric::larger;
 use crate::solution::{Derivative, PoseDerivative, TendonDerivative};
 use crate::statics::chain::Chain;
 use crate::statics::derivatives::Input;
@@ -71,6 +72,28 @@ struct Push {
     excess: Vec<f64>,
     fixed: Derivative,
 }
+
+/// How shape and tensions answer a push.
+struct Answer {
+    step: Step,
+    /// Of the taut tendons.
+    tensions: Vec<f64>,
+    /// Of the tendons by friction alone; empty without.
+    stretch: Vec<f64>,
+}
+
+/// What friction does when the shape changes: to the gradient, and to the stretch of each tendon.
+struct Rubbed {
+    pull: Column,
+    stretch: Vec<f64>,
+}
+
+/// Turns of shape and friction, the relative change that ends them, and one that shrinks too slowly.
+const MOST_TURNS: usize = 200;
+const SETTLED: f64 = 1e-10;
+const SLOW: f64 = 0.7;
+/// Turn of a difference along a variation, rad.
+const SMALL: f64 = 1e-5;
 
 impl Solution<'_> {
     /// None where the tendons' lengths do not determine their tensions.
@@ -164,20 +187,18 @@ impl Solution<'_> {
         column
     }
 
-    /// Shape and tensions that bring gradient and excess back to zero, theory (39), and what is seen of them.
+    /// The change of everything that is seen.
     fn respond(&mut self, border: &Border, push: Push) -> Result<Derivative, Error> {
-        let mut step = self.solve(&push.right);
+        let rubs = self.robot.tendons.iter().any(|tendon| tendon.friction > 0.0);
+        let Answer { step, tensions, stretch } =
+            if rubs { self.rub(border, &push)? } else { self.hold(border, &push.right, &push.excess) };
         let mut derivative = push.fixed;
-        if !border.taut.is_empty() {
-            let excess = |&tendon: &usize| self.dot(&border.lengths[tendon], &step) + push.excess[tendon];
-            let mut tensions = DVector::from_vec(border.taut.iter().map(excess).collect());
-            border.compliance.solve_mut(&mut tensions);
-            for ((&tendon, response), tension) in border.taut.iter().zip(&border.responses).zip(&tensions) {
-                step.add(-tension, response);
-                derivative.tendons[tendon].tension += tension;
-                derivative.tendons[tendon].displacement +=
-                    self.drive.compliance(self.robot, tendon) * tension;
-            }
+        for (&tendon, tension) in border.taut.iter().zip(&tensions) {
+            derivative.tendons[tendon].tension += tension;
+            derivative.tendons[tendon].displacement += self.drive.compliance(self.robot, tendon) * tension;
+        }
+        for (tendon, stretch) in derivative.tendons.iter_mut().zip(&stretch) {
+            tendon.displacement += stretch;
         }
         for (tendon, form) in derivative.tendons.iter_mut().zip(&border.lengths) {
             let length = self.dot(form, &step);
@@ -189,6 +210,85 @@ impl Solution<'_> {
             pose.rotation += moved.rotation;
         }
         Ok(derivative)
+    }
+
+    /// Shape and tensions that bring gradient and excess back to zero, theory (39).
+    fn hold(&mut self, border: &Border, right: &Column, excess: &[f64]) -> Answer {
+        let mut step = self.solve(right);
+        let mut tensions = Vec::new();
+        if !border.taut.is_empty() {
+            let excess = |&tendon: &usize| self.dot(&border.lengths[tendon], &step) + excess[tendon];
+            let mut solved = DVector::from_vec(border.taut.iter().map(excess).collect());
+            border.compliance.solve_mut(&mut solved);
+            tensions.extend(solved.iter());
+        }
+        for (tension, response) in tensions.iter().zip(&border.responses) {
+            step.add(-tension, response);
+        }
+        Answer { step, tensions, stretch: Vec::new() }
+    }
+
+    /// With friction the tensions along the tendons follow the shape, and the shape follows them: in turns, as the solution was found,
+    /// theory (42).
+    fn rub(&mut self, border: &Border, push: &Push) -> Result<Answer, Error> {
+        let (mut part, mut last) = (1.0, f64::INFINITY);
+        let mut answer = self.hold(border, &push.right, &push.excess);
+        for _ in 0..MOST_TURNS {
+            let rubbed = self.rubbed(&answer.step);
+            let mut right = push.right.clone();
+            add(&mut right, -1.0, &rubbed.pull);
+            let excess: Vec<f64> = push.excess.iter().zip(&rubbed.stretch).map(|(a, b)| a - b).collect();
+            let mut next = self.hold(border, &right, &excess);
+            next.stretch = rubbed.stretch;
+            let mut way = next.step.clone();
+            way.add(-1.0, &answer.step);
+            let change = size(&way) / size(&next.step).max(f64::MIN_POSITIVE);
+            if change <= SETTLED {
+                return Ok(next);
+            }
+            if change > SLOW * last {
+                part *= 0.5;
+            }
+            last = change;
+            answer.step.add(part, &way);
+        }
+        Err(Error::new(format!("the derivative with friction has not settled: last change {last:.1e}"))
+            .hint("less friction, or smaller loads"))
+    }
+
+    /// What friction does in answer to a variation of the shape, by differences along it at the solution.
+    fn rubbed(&self, step: &Step) -> Rubbed {
+        let scale = SMALL / size(step).max(f64::MIN_POSITIVE);
+        let [(behind, means_behind), (ahead, means_ahead)] = [-scale, scale].map(|scale| {
+            let (mut mesh, mut sweep) = (self.mesh.clone(), Sweep::default());
+            mesh.turn.iter_mut().zip(&step.turn).for_each(|(turn, change)| *turn += scale * change);
+            mesh.v.iter_mut().zip(&step.v).for_each(|(v, change)| *v += scale * change);
+            sweep.place(&mut mesh, self.tables);
+            let (mut means, mut ends) = (Vec::new(), Vec::new());
+            friction::update(self.robot, &mut mesh, &sweep, self.tables, 1.0, &mut means, &mut ends);
+            (mesh, means)
+        });
+        // the solution's mesh with the changes in place of the shares
+        let mut changes = self.mesh.clone();
+        let per = 0.5 / scale;
+        for (of, (behind, ahead)) in changes.passing.iter_mut().zip(behind.passing.iter().zip(&ahead.passing))
+        {
+            of.share = per * (ahead.share - behind.share);
+        }
+        for (of, (behind, ahead)) in changes.chords.iter_mut().zip(behind.chords.iter().zip(&ahead.chords)) {
+            of.share = per * (ahead.share - behind.share);
+        }
+        let (mut pull, mut of_one) = (Column::default(), Column::default());
+        pull.clear(self.mesh);
+        let mut stretch = Vec::with_capacity(self.robot.tendons.len());
+        for (i, tendon) in self.robot.tendons.iter().enumerate() {
+            let tension = self.drive.tensions[i];
+            tendons::length_form(&changes, self.sweep, i, true, &mut of_one);
+            add(&mut pull, tension, &of_one);
+            let give = tendon.stiffness.map_or(0.0, |stiffness| self.drive.home[i] / stiffness);
+            stretch.push(per * (means_ahead[i] - means_behind[i]) * give * tension);
+        }
+        Rubbed { pull, stretch }
     }
 
     /// Change of the poses at the places by a variation of the shape: dp' = R (dv + a x v), a the rotation of the section, body frame.
@@ -339,6 +439,11 @@ impl Push {
             tendon.length = per * (a.length - b.length);
         }
     }
+}
+
+/// Largest turn, rad, or change of v.
+fn size(step: &Step) -> f64 {
+    step.turn.iter().chain(&step.v).map(Vector3::amax).fold(0.0, larger)
 }
 
 /// Rotation vector of a rotation near the identity, whose error is of third order in the angle.
