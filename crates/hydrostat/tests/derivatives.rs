@@ -104,7 +104,7 @@ fn robots() -> Vec<Robot> {
         // taut by displacement in both sections, one by tension, the others slack
         commanded(&stretching, "a=6N", "b=0mm,c=-3mm,d=2mm,e=4mm,f=-9mm"),
         commanded(HELICAL, "straight2=1N", "helix=2mm,straight1=1mm"),
-        commanded(&with_friction(HELICAL), "", ""),
+        commanded(&with_friction(TILL), "a=3N,b=4N,c=15N", ""),
         commanded(&with_friction(&stretching), "a=6N", "b=0mm,c=-3mm,d=2mm,e=4mm,f=-9mm"),
     ]
 }
@@ -241,13 +241,13 @@ const PARAMETERS: [Change; 12] = [
 #[test]
 fn parameters() {
     for robot in robots() {
+        let (_, mut workspace) = solved(&robot);
         for (name, change) in PARAMETERS {
             let beside = |part: f64| {
                 let mut side = robot.clone();
                 change(&mut side, part);
                 side
             };
-            let (_, mut workspace) = solved(&robot);
             let [behind, ahead] = [-PARAMETER_STEP, PARAMETER_STEP].map(beside);
             let input = Input::Parameter { behind: &behind, ahead: &ahead, step: PARAMETER_STEP };
             let found = derivatives(&robot, &mut workspace, &places(&robot), &[input]).expect("derivatives");

@@ -33,12 +33,28 @@ impl Input<'static> {
     }
 }
 
+impl Input<'_> {
+    fn check(&self, robot: &Robot) -> Result<(), Error> {
+        let count = robot.tendons.len();
+        match *self {
+            Input::Command(tendon) if tendon >= count => {
+                Err(Error::new(format!("the command of tendon {} of {count}", tendon + 1)))
+            }
+            Input::Parameter { step, .. } if !(step > 0.0 && step.is_finite()) => {
+                Err(Error::new(format!("a parameter's step of {step}, expected a finite number above 0")))
+            }
+            Input::Parameter { behind, ahead, .. } => behind.check().and_then(|()| ahead.check()),
+            Input::Command(_) | Input::TipWrench { .. } => Ok(()),
+        }
+    }
+}
+
 /// Derivatives of the solution last found in the workspace with respect to each input: of the pose at every place (arc lengths;
 /// the robot's length is its tip, whatever its length) and of the tendons. One more solve with the factors of the Hessian each, theory
 /// (38) to (42).
 ///
 /// Taut tendons stay taut and slack ones slack: where a tension passes zero this is one side of a kink, and the displacement of a slack
-/// tendon moves nothing.
+/// tendon moves nothing. `robot` as it was solved.
 ///
 /// # Errors
 /// No solution of the energy method for this robot in the workspace, an equilibrium that is about to snap, or a robot of a
@@ -55,7 +71,7 @@ pub fn derivatives(
     let Workspace { chain, energy, by_energy, .. } = workspace;
     if chain.follower {
         return Err(Error::new("derivatives of a robot with loads that follow the shape are not available")
-            .hint("take differences of solves with a small change in between"));
+            .hint("take differences of two solves, or state those loads in the world frame"));
     }
     if !*by_energy {
         return Err(Error::new("derivatives come from the energy method, and this was solved by shooting")
@@ -65,21 +81,6 @@ pub fn derivatives(
     if let Some(s) = places.iter().find(|s| !(0.0..=length * (1.0 + 1e-12)).contains(*s)) {
         return Err(Error::new(format!("s = {s} m is not on the backbone of 0 to {length} m")));
     }
-    for input in inputs {
-        match *input {
-            Input::Command(tendon) if tendon >= robot.tendons.len() => {
-                return Err(Error::new(format!(
-                    "a command of tendon {} of {}",
-                    tendon + 1,
-                    robot.tendons.len()
-                )));
-            }
-            Input::Parameter { behind, ahead, .. } => {
-                behind.check()?;
-                ahead.check()?;
-            }
-            _ => {}
-        }
-    }
+    inputs.iter().try_for_each(|input| input.check(robot))?;
     energy::derivatives(energy, robot, chain, places, inputs)
 }

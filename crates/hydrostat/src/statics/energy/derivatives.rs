@@ -141,8 +141,10 @@ impl Solution<'_> {
 
     /// What an input does at a fixed shape.
     fn push(&self, input: &Input) -> Result<Push, Error> {
+        let mut right = Column::default();
+        right.clear(self.mesh);
         let mut push = Push {
-            right: Column::default(),
+            right,
             excess: vec![0.0; self.robot.tendons.len()],
             fixed: Derivative {
                 poses: vec![PoseDerivative::default(); self.places.len()],
@@ -157,10 +159,7 @@ impl Solution<'_> {
                     let displacement = self.drive.compliance(self.robot, tendon);
                     push.fixed.tendons[tendon] = TendonDerivative { tension: 1.0, displacement, length: 0.0 };
                 }
-                Command::Displacement { .. } => {
-                    push.right.clear(self.mesh);
-                    push.excess[tendon] = 1.0;
-                }
+                Command::Displacement { .. } => push.excess[tendon] = 1.0,
             },
             Input::TipWrench { force, moment } => push.right = self.tip_work(&force, &moment),
             Input::Parameter { behind, ahead, step } => {
@@ -291,7 +290,7 @@ impl Solution<'_> {
         Rubbed { pull, stretch }
     }
 
-    /// Change of the poses at the places by a variation of the shape: dp' = R (dv + a x v), a the rotation of the section, body frame.
+    /// Change of the poses at the places by a variation of the shape, theory (40).
     fn poses_moved(&self, step: &Step) -> Vec<PoseDerivative> {
         let mut cuts = vec![Vector3::zeros(); self.mesh.panels.len() + 1];
         for (k, panel) in self.mesh.panels.iter().enumerate() {
@@ -361,6 +360,7 @@ struct State {
 }
 
 impl Solution<'_> {
+    /// Nothing is solved here: the mesh of the other robot takes the shape over.
     fn state_of(&self, robot: &Robot) -> Result<State, Error> {
         let mut chain = Chain::default();
         chain.rebuild(robot);
@@ -372,7 +372,8 @@ impl Solution<'_> {
         };
         let kinds =
             |robot: &Robot| -> Vec<_> { robot.actuation.iter().map(std::mem::discriminant).collect() };
-        if chain.spans.len() != self.chain.spans.len() || kinds(robot) != kinds(self.robot) {
+        if chain.spans.len() != self.chain.spans.len() || chain.follower || kinds(robot) != kinds(self.robot)
+        {
             return Err(other());
         }
         mesh.rebuild(robot, &chain, self.layouts, self.tables);
@@ -423,9 +424,8 @@ impl Push {
     /// Central differences of two robots in the same shape, theory (41).
     fn difference(&mut self, behind: &State, ahead: &State, step: f64) {
         let per = 0.5 / step;
-        self.right.clone_from(&behind.gradient);
-        add(&mut self.right, -1.0, &ahead.gradient);
-        scale(&mut self.right, per);
+        add(&mut self.right, per, &behind.gradient);
+        add(&mut self.right, -per, &ahead.gradient);
         for (excess, (b, a)) in self.excess.iter_mut().zip(behind.excess.iter().zip(&ahead.excess)) {
             *excess = per * (a - b);
         }
@@ -461,9 +461,4 @@ fn add(column: &mut Column, scale: f64, other: &Column) {
     column.cuts.iter_mut().zip(&other.cuts).for_each(|(own, other)| *own += scale * other);
     let own = column.gaps.iter_mut().flatten();
     own.zip(other.gaps.iter().flatten()).for_each(|(own, other)| *own += scale * other);
-}
-
-fn scale(column: &mut Column, by: f64) {
-    let copy = column.clone();
-    add(column, by - 1.0, &copy);
 }
