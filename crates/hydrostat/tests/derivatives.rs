@@ -2,7 +2,7 @@
 
 use hydrostat::description::{parse_commands, parse_robot};
 use hydrostat::model::{Command, CrossSection, Frame, Load, LoadKind};
-use hydrostat::solution::{Derivative, PoseDerivative, TendonDerivative};
+use hydrostat::solution::{Derivative, Method, PoseDerivative, TendonDerivative};
 use hydrostat::statics::{Input, Settings, Workspace, derivatives, solve_in};
 use hydrostat::{Equilibrium, Robot};
 use nalgebra::{Rotation3, Vector3};
@@ -309,4 +309,49 @@ fn reciprocity() {
             }
         }
     }
+}
+
+#[test]
+fn the_solution_stays_as_it_was() {
+    for robot in robots() {
+        let (_, mut workspace) = solved(&robot);
+        let place = 0.4 * robot.length();
+        let station = |workspace: &Workspace| {
+            let station = workspace.station(&robot, place).expect("is on the backbone");
+            (station.position, station.force, station.moment)
+        };
+        let before = station(&workspace);
+        let mut found =
+            || derivatives(&robot, &mut workspace, &[place], &Input::commands(&robot)).expect("derivatives");
+        assert_eq!(found(), found());
+        // the forces are those of the last linearisation, one step nearer
+        let after = station(&workspace);
+        assert_eq!(before.0, after.0);
+        assert!((before.1 - after.1).norm() < 1e-6 * before.1.norm(), "{}", robot.name);
+    }
+}
+
+#[test]
+fn refusals() {
+    let robot = commanded(TILL, "a=3N", "");
+    let refused = |workspace: &mut Workspace, at: f64, input: Input, words: &str| {
+        let error = derivatives(&robot, workspace, &[at], &[input]).expect_err(words);
+        assert!(error.to_string().contains(words), "{error}");
+    };
+    let first = Input::Command(0);
+    refused(&mut Workspace::default(), 0.1, first, "the workspace has none");
+    let (_, mut workspace) = solved(&robot);
+    refused(&mut workspace, 0.6, first, "s = 0.6 m is not on the backbone of 0 to 0.5 m");
+    refused(&mut workspace, 0.1, Input::Command(4), "the command of tendon 5 of 4");
+    let no_step = Input::Parameter { behind: &robot, ahead: &robot, step: 0.0 };
+    refused(&mut workspace, 0.1, no_step, "a parameter's step of 0");
+    // a mass that moves along the backbone appears as a new breakpoint
+    let mut hung = robot.clone();
+    hung.loads.push(Load { name: None, kind: LoadKind::Mass { at: 0.2, mass: 0.1 } });
+    let other = Input::Parameter { behind: &robot, ahead: &hung, step: 0.1 };
+    refused(&mut workspace, 0.1, other, "has other breakpoints");
+    let mut shot = Workspace::default();
+    solve_in(&robot, &Settings { method: Method::Shooting, ..Settings::default() }, &mut shot)
+        .expect("solves");
+    refused(&mut shot, 0.1, first, "this was solved by shooting");
 }

@@ -26,6 +26,9 @@ pub(in crate::statics) fn derivatives(
     inputs: &[Input],
 ) -> Result<Vec<Derivative>, Error> {
     let Energy { tables, layouts, coarse, memory, .. } = energy;
+    if robot.tendons.len() != memory.drive.tensions.len() {
+        return Err(Error::new("the robot has other tendons than the one that was solved"));
+    }
     // the eigenvalue has left factors of another matrix
     let equations = Equations { robot, chain, tables, factor: 1.0 };
     let taut = memory.drive.taut.clone();
