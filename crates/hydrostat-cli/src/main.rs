@@ -6,6 +6,7 @@
 #![allow(clippy::print_stderr, reason = "the binary prints")]
 
 mod comparison;
+mod derivatives;
 mod files;
 mod json;
 mod new;

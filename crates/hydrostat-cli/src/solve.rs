@@ -1,9 +1,10 @@
 //! `hydrostat solve`: the shape of a robot under its loads.
 
+use crate::derivatives::Derivatives;
 use crate::plot::Format;
 use crate::{Outcome, files, json, summary, warn};
 use clap::ValueEnum;
-use hydrostat::statics::{self, Settings};
+use hydrostat::statics::{self, Settings, Workspace};
 use hydrostat::{Equilibrium, Error};
 use hydrostat::{description, solution};
 use std::path::PathBuf;
@@ -43,6 +44,12 @@ pub(crate) struct Args {
     /// Start from the shape in the JSON of an earlier solution, and follow its branch
     #[arg(long, value_name = "FILE")]
     from: Option<PathBuf>,
+    /// Add how the tip moves with each tendon's command
+    #[arg(long, conflicts_with = "csv")]
+    jacobian: bool,
+    /// Add how the tip gives way to a force and a moment on it
+    #[arg(long, conflicts_with = "csv")]
+    compliance: bool,
     /// How the shape is found
     #[arg(long, value_enum, default_value_t = Method::Energy)]
     method: Method,
@@ -78,29 +85,33 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
         shooting_intervals: args.shooting_intervals.map(usize::from),
         ..Settings::default()
     };
-    let solve = |settings: &Settings| match &from {
-        Some(stations) => statics::solve_from(&robot, settings, stations),
-        None => statics::solve(&robot, settings),
+    let mut workspace = Workspace::default();
+    let solve = |settings: &Settings, workspace: &mut Workspace| match &from {
+        Some(stations) => statics::solve_from_in(&robot, settings, stations, workspace),
+        None => statics::solve_in(&robot, settings, workspace),
     };
     // the time is that of the shape alone; the eigenvalue takes longer
     let start = Instant::now();
-    solve(&Settings { eigenvalue: false, ..settings.clone() })?;
+    solve(&Settings { eigenvalue: false, ..settings.clone() }, &mut Workspace::default())?;
     let took = start.elapsed();
-    let shape = solve(&settings)?;
+    let shape = solve(&settings, &mut workspace)?;
+    let derivatives = Derivatives::find(&robot, &mut workspace, args.jacobian, args.compliance)?;
 
     if let Some((path, format)) = plot {
         // a coil needs more points than a table
         let smooth = Settings { stations: args.stations.max(PLOTTED), eigenvalue: false, ..settings.clone() };
-        let smooth = Equilibrium { stations: solve(&smooth)?.stations, ..shape.clone() };
+        let smooth = Equilibrium { stations: solve(&smooth, &mut workspace)?.stations, ..shape.clone() };
         files::write(path, &format.encode(hydrostat_report::shape_svg(&robot, &smooth))?)?;
     }
     let failures = summary::failures(&shape);
     let stdout = if args.json {
-        format!("{}\n", json::solution(&robot, &shape, took))
+        let mut all = json::solution(&robot, &shape, took);
+        derivatives.add_to(&mut all, &robot);
+        format!("{all}\n")
     } else if args.csv {
         summary::stations(&shape)
     } else {
-        summary::text(&robot, &shape, took)
+        summary::text(&robot, &shape, took) + &derivatives.text(&robot)
     };
     if args.json || args.csv {
         warn(&failures);

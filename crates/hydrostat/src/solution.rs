@@ -82,6 +82,31 @@ pub struct Report {
     pub snapped_from: Option<f64>,
 }
 
+/// How an equilibrium answers one small change, per unit of that change.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Derivative {
+    /// At each observed place, in their order.
+    pub poses: Vec<PoseDerivative>,
+    /// In the order of the robot's.
+    pub tendons: Vec<TendonDerivative>,
+}
+
+/// Change of a pose, world frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PoseDerivative {
+    pub position: Vector3<f64>,
+    /// Rotation vector w with dR = hat(w) R, rad.
+    pub rotation: Vector3<f64>,
+}
+
+/// Change of a tendon, its quantities as in [`TendonState`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TendonDerivative {
+    pub tension: f64,
+    pub displacement: f64,
+    pub length: f64,
+}
+
 /// The solver that found it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {

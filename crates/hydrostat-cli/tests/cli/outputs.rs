@@ -101,7 +101,7 @@ fn the_format_documents_every_key() {
     }
     let folder = Folder::with("documented", "rod.toml", ROD);
     let mut found = Vec::new();
-    for command in ["solve rod.toml --json", "verify --json"] {
+    for command in ["solve rod.toml --json --jacobian --compliance", "verify --json"] {
         collect(&json(&folder.run(command).succeeds()), &mut found);
     }
     let format = include_str!("../../../../docs/format.md");

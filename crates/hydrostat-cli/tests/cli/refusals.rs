@@ -126,6 +126,7 @@ fn wrong_flags() {
         "solve",
         "solve rod.toml --tension a=2N",
         "solve rod.toml --json --csv",
+        "solve rod.toml --csv --jacobian",
         "solve rod.toml --stations 1",
         "solve rod.toml --stations many",
         "solve rod.toml --tolerance -1",
@@ -138,4 +139,15 @@ fn wrong_flags() {
         assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{arguments}: {run:?}");
         assert!(!run.stderr.is_empty());
     }
+}
+
+#[test]
+fn derivatives_need_the_energy_method() {
+    let folder = Folder::with("derivatives_refused", "rod.toml", ROD);
+    let by_shooting = folder.run("solve rod.toml --compliance --method shooting");
+    by_shooting.refuses(&["derivatives come from the energy method", "solve with the energy method"]);
+    let follower = format!("{ROD}\n[[load]]\nat = \"tip\"\nforce = \"[0.1, 0, 0] N\"\nframe = \"body\"\n");
+    let folder = Folder::with("follower_refused", "rod.toml", follower);
+    let follows = folder.run("solve rod.toml --compliance");
+    follows.refuses(&["loads that follow the shape", "differences of two solves"]);
 }

@@ -172,3 +172,81 @@ fn tendons_are_commanded_from_the_line() {
         assert!(stderr.contains(message), "{args:?}: {stderr}");
     }
 }
+
+/// Of the largest entry: central differences of printed results, each to 1e-12 of the length over steps of 1e-3.
+const CLOSE: f64 = 1e-5;
+
+/// `--jacobian` and `--compliance` against central differences of the program's own output, with both kinds of command.
+#[test]
+fn derivatives_are_differences_of_the_programs_own_output() {
+    let robots = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots");
+    let text = std::fs::read_to_string(format!("{robots}/scr_two_section.toml")).unwrap();
+    let folder = Folder::with("derivatives", "robot.toml", &text);
+    let at = |a: f64, b: f64, load: [f64; 3], more: &str| {
+        let force = format!("[{}, {}, {}] N", load[0], load[1], load[2]);
+        let loaded = format!("{text}\n[[load]]\nat = \"tip\"\nforce = \"{force}\"\n");
+        std::fs::write(folder.path("loaded.toml"), loaded).unwrap();
+        let command = format!(
+            "solve loaded.toml --json --stations 2 --tolerance 1e-12 --tension a={a}N,e=2.5N --displacement b={b}m,c=-5mm {more}"
+        );
+        json(&folder.run(&command).succeeds())
+    };
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    let tip = |run: &serde_json::Value, axis: usize| number(&run["tip"]["position_m"][axis]);
+    let found = at(6.0, 1e-3, [0.0; 3], "--jacobian --compliance");
+    let jacobian = &found["jacobian"];
+    assert_eq!(jacobian["tension"]["tendons"], serde_json::json!(["a", "d", "e", "f"]));
+    assert_eq!(jacobian["displacement"]["tendons"], serde_json::json!(["b", "c"]));
+
+    let (force, pulled, load) = (6e-3, 2e-6, 1e-4);
+    let columns = [
+        (
+            &jacobian["tension"]["tip_position_m_per_n"],
+            &jacobian["tension"]["tension_n_per_n"],
+            force,
+            [at(6.0 - force, 1e-3, [0.0; 3], ""), at(6.0 + force, 1e-3, [0.0; 3], "")],
+        ),
+        (
+            &jacobian["displacement"]["tip_position_m_per_m"],
+            &jacobian["displacement"]["tension_n_per_m"],
+            pulled,
+            [at(6.0, 1e-3 - pulled, [0.0; 3], ""), at(6.0, 1e-3 + pulled, [0.0; 3], "")],
+        ),
+        (
+            &found["compliance"]["force"]["tip_position_m_per_n"],
+            &found["compliance"]["force"]["tension_n_per_n"],
+            load,
+            [at(6.0, 1e-3, [-load, 0.0, 0.0], ""), at(6.0, 1e-3, [load, 0.0, 0.0], "")],
+        ),
+    ];
+    for (position, tension, step, [behind, ahead]) in columns {
+        let close = |found: &serde_json::Value, difference: f64, size: f64| {
+            let found = number(&found[0]);
+            assert!(
+                (found - difference / (2.0 * step)).abs() < CLOSE * size,
+                "{found} {}",
+                difference / (2.0 * step)
+            );
+        };
+        let largest = |matrix: &serde_json::Value| {
+            matrix.as_array().unwrap().iter().map(|row| number(&row[0]).abs()).fold(0.0, f64::max)
+        };
+        for axis in 0..3 {
+            close(&position[axis], tip(&ahead, axis) - tip(&behind, axis), largest(position));
+        }
+        for tendon in 0..6 {
+            let of = |run: &serde_json::Value| number(&run["tendons"][tendon]["tension_n"]);
+            close(&tension[tendon], of(&ahead) - of(&behind), largest(tension));
+        }
+    }
+}
+
+#[test]
+fn derivatives_in_the_summary_have_their_units() {
+    let folder = Folder::with("summary_derivatives", "rod.toml", ROD);
+    let text = folder.run("solve rod.toml --jacobian --compliance").succeeds();
+    assert!(
+        text.contains("  tip per N y     [") && text.contains(" mm/N, [") && text.contains(" deg/N mm\n"),
+        "{text}"
+    );
+}

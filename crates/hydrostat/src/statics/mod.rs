@@ -7,6 +7,7 @@ mod chain;
 mod checks;
 mod constant_curvature;
 mod crossing;
+mod derivatives;
 mod energy;
 mod held;
 mod report;
@@ -17,6 +18,7 @@ mod shooting;
 mod stability;
 
 pub use constant_curvature::{Arcs, Weight, constant_curvature};
+pub use derivatives::{Input, derivatives};
 
 use crate::solution::{Method, Station};
 use crate::{Equilibrium, Error, Robot};
@@ -125,7 +127,19 @@ pub fn solve_near(
 /// # Errors
 /// As [`solve`], and where the loads have no energy or the stations do not span the backbone.
 pub fn solve_from(robot: &Robot, settings: &Settings, shape: &[Station]) -> Result<Equilibrium, Error> {
-    let mut workspace = Workspace::default();
+    solve_from_in(robot, settings, shape, &mut Workspace::default())
+}
+
+/// [`solve_from`] in memory that is used again.
+///
+/// # Errors
+/// As [`solve_from`].
+pub fn solve_from_in(
+    robot: &Robot,
+    settings: &Settings,
+    shape: &[Station],
+    workspace: &mut Workspace,
+) -> Result<Equilibrium, Error> {
     let length = robot.length();
     let spans = |s: f64, end: f64| (s - end).abs() <= 1e-6 * length;
     let ordered = shape.windows(2).all(|pair| pair[0].s < pair[1].s);
@@ -139,7 +153,7 @@ pub fn solve_from(robot: &Robot, settings: &Settings, shape: &[Station]) -> Resu
     if settings.method != Method::Energy {
         return Err(Error::new("only the energy method starts from a given shape"));
     }
-    run(robot, settings, &mut workspace, Start::Shape(shape))
+    run(robot, settings, workspace, Start::Shape(shape))
 }
 
 /// [`solve`] in memory that is used again.

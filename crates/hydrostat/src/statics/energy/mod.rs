@@ -4,6 +4,7 @@
 //! shear and stretch at its Gauss nodes (`mesh`, `node`); one block elimination along the chain gives Newton's step and the
 //! inertia of the Hessian (`sweep`, `newton`); `search` leads from the unloaded shape to the full load.
 
+mod derivatives;
 mod factor;
 mod friction;
 mod mesh;
@@ -16,6 +17,7 @@ mod tendons;
 mod tests;
 mod trust;
 
+pub(super) use derivatives::derivatives;
 pub(super) use search::{Found, Start, find};
 
 use mesh::{Layout, Mesh, Tables};
