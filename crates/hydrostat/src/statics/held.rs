@@ -78,7 +78,8 @@ pub(super) fn solve(
         }
         let now = DVector::from_iterator(held.len(), held.iter().map(|&i| tensions[i]));
         let right = DVector::from_vec(excess) + &s * &now;
-        let Some(target) = nonnegative::minimise(&(0.5 * (&s + s.transpose())), &right) else { break };
+        // with followers it is not symmetric
+        let Some(target) = nonnegative::minimise(&s, &right) else { break };
         // as far towards them as the robot can be solved
         let mut part = 1.0;
         found = loop {

@@ -7,6 +7,9 @@ use crate::Robot;
 use crate::model::Command;
 use nalgebra::Vector3;
 
+/// A path that gains so little along the backbone, per length of it, has shrunk to nothing.
+const FOLDED: f64 = 1e-3;
+
 /// How the tendons are driven.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Drive {
@@ -128,4 +131,28 @@ impl Mesh {
         let (a, b) = (gap.panels.start, gap.panels.end);
         self.positions[b] - self.positions[a] + self.rotations[b] * holes[1] - self.rotations[a] * holes[0]
     }
+}
+
+/// A tendon whose path shrinks to nothing, and where: the robot has folded about it.
+pub(super) fn folded(mesh: &Mesh, sweep: &Sweep) -> Option<(usize, f64)> {
+    for panel in &mesh.panels {
+        for node in panel.nodes.clone() {
+            for passing in &mesh.passing[mesh.data[node].passing.clone()] {
+                let (speed, tangent) = node::tangent(&sweep.shapes[node], passing);
+                if speed * tangent.z < FOLDED {
+                    return Some((passing.tendon, panel.from));
+                }
+            }
+        }
+    }
+    for gap in &mesh.gaps {
+        let panels = &mesh.panels[gap.panels.clone()];
+        let length: f64 = panels.iter().map(|panel| panel.length).sum();
+        for chord in &mesh.chords[gap.chords.clone()] {
+            if mesh.chord(gap, &chord.holes).norm() < FOLDED * length {
+                return Some((chord.tendon, panels[0].from));
+            }
+        }
+    }
+    None
 }

@@ -12,6 +12,10 @@ use std::f64::consts::PI;
 const BEND: f64 = 2.0 * PI;
 /// Curvature times the radius of the holes, at most: at 1 a tendon on the inside has no length left.
 const CURL: f64 = 0.5;
+/// Compression of a backbone between two guides, tau h^2 / E I, at most; it buckles from about 10 on.
+const GAP_LOAD: f64 = 4.0;
+/// Radius of holes in guides, at least, as a fraction of the length.
+const NARROWEST: f64 = 0.01;
 pub(super) const MOST_TENDONS: usize = 12;
 
 /// The tendon robot of this index; each has its own stream, so that one can be repeated alone.
@@ -57,7 +61,7 @@ pub fn tendon_robot(seed: u64, index: usize) -> Robot {
     add_tendons(&mut random, &mut robot, radius);
     let bend = random.uniform(0.0, BEND);
     let of_loads = if random.chance(0.7) { random.uniform(0.0, 0.6) * bend } else { 0.0 };
-    add_guides(&mut random, &mut robot, radius);
+    add_guides(&mut random, &mut robot, bend);
     add_weight(&mut random, &mut robot, of_loads);
     add_loads(&mut random, &mut robot, of_loads);
     add_commands(&mut random, &mut robot, bend - of_loads);
@@ -69,6 +73,7 @@ pub fn tendon_robot(seed: u64, index: usize) -> Robot {
 fn add_tendons(random: &mut Random, robot: &mut Robot, radius: f64) {
     let count = 1 + random.below(MOST_TENDONS as u64) as usize;
     let routings = random.below(3);
+    let guided = radius.max(NARROWEST * robot.length());
     let stretches = random.chance(0.4);
     for number in 0..count {
         let routing = match routings {
@@ -77,7 +82,8 @@ fn add_tendons(random: &mut Random, robot: &mut Robot, radius: f64) {
             _ if random.chance(0.5) => Routing::Channel,
             _ => Routing::Guides,
         };
-        let radius = radius * random.uniform(0.5, 1.0);
+        let widest = if routing == Routing::Guides { guided } else { radius };
+        let radius = widest * random.uniform(0.5, 1.0);
         let (converges, winds) = (random.chance(0.33), random.chance(0.33));
         robot.tendons.push(Tendon {
             name: format!("t{number}"),
@@ -99,16 +105,20 @@ fn add_tendons(random: &mut Random, robot: &mut Robot, radius: f64) {
     }
 }
 
-/// 3 to 8 on every section that needs them, some with a mass beside the axis.
-fn add_guides(random: &mut Random, robot: &mut Robot, radius: f64) {
+/// At least 3 on every section, and as close as keeps the backbone from buckling between them; some with a mass beside the axis.
+fn add_guides(random: &mut Random, robot: &mut Robot, bend: f64) {
     let needed = robot.tendons.iter().any(|tendon| tendon.routing == Routing::Guides) || random.chance(0.1);
     if !needed {
         return;
     }
     let heavy = random.chance(0.4);
-    let unit = softest(robot) / robot.length().powi(2);
+    let length = robot.length();
+    let unit = softest(robot) / length.powi(2);
+    let radius = robot.tendons.iter().map(|tendon| tendon.path.radius).fold(f64::INFINITY, f64::min);
+    // tau h^2 / E I with tau r L / E I = bend
+    let closest = (GAP_LOAD * radius * length / bend).sqrt();
     for section in &mut robot.sections {
-        let count = 3 + random.below(6) as usize;
+        let count = (3 + random.below(6) as usize).max((section.length / closest).ceil() as usize);
         let spacing = section.length / count as f64;
         let positions = (1..=count)
             .map(|k| (k as f64 - if k < count { random.uniform(0.0, 0.3) } else { 0.0 }) * spacing);
