@@ -53,7 +53,7 @@ const MOST_BISECTIONS: usize = 6;
 const MOST_TURNS: usize = 200;
 const SLOW: f64 = 0.7;
 /// Stations are integrated in steps of at most this angle, of shape and load, rad.
-const STATION_ANGLE: f64 = 0.6;
+const STATION_ANGLE: f64 = 0.3;
 /// Accuracy on the way to the full load: enough to start the next step.
 const ON_THE_WAY: f64 = 1e-7;
 
@@ -483,7 +483,8 @@ impl Energy {
         let (end, rest) = (panel.from + panel.length, (panel.from + panel.length - s).max(0.0));
         let (_, bend) = robot.sections[span.section].stiffness(span.fraction(robot, s));
         let force = (span.dead_force(robot, s) + chords).norm();
-        let angle = rest * (force / bend.min()).sqrt().max(LARGEST_TURN / panel.length);
+        let per_length = (force / bend.min()).sqrt().max(span.largest_angle(robot));
+        let angle = rest * per_length.max(LARGEST_TURN / panel.length);
         let parts = (angle / STATION_ANGLE).ceil().max(1.0);
         let mut node = Node {
             rotation: coarse.rotations[k + 1],

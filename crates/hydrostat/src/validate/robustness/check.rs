@@ -241,7 +241,7 @@ impl<'a> Check<'a> {
 
     fn section_at(&self, s: f64, inside: f64) -> (&Section, f64) {
         let (section, at_inside) = self.section(inside);
-        (section, (at_inside + (s - inside) / section.length).clamp(0.0, 1.0))
+        (section, at_inside + (s - inside) / section.length)
     }
 
     /// A station as a state: its wrench, to which the tendons in channels are added; the rest as it was `arrived` at.
