@@ -36,6 +36,8 @@ const SAFETY: f64 = 3.0;
 const UNSEEN_REDUCTION: f64 = 8.0;
 const LARGEST_REDUCTION: f64 = 64.0;
 const SLOWEST_REDUCTION: f64 = 2.0;
+/// Length, in parts of the whole, that an error of the part of a tension that friction leaves counts for.
+const SHARES: f64 = 0.01;
 const MOST_NODES: usize = 20_000;
 /// A load step may turn no cross-section by more (radians).
 const LARGEST_LOAD_TURN: f64 = 0.7;
@@ -355,7 +357,7 @@ impl Search<'_> {
         if self.rubs() { larger(largest, self.difference_of_shares()) } else { largest }
     }
 
-    /// Largest difference of the parts of the tensions that friction leaves, times the length.
+    /// Largest difference of the parts of the tensions that friction leaves, as a length.
     fn difference_of_shares(&self) -> f64 {
         let Energy { tables, coarse, fine, .. } = &*self.energy;
         let mut largest = 0.0;
@@ -367,7 +369,7 @@ impl Search<'_> {
                 largest = larger(largest, (shares.0 - shares.1).abs());
             }
         }
-        largest * self.chain.length
+        SHARES * largest * self.chain.length
     }
 
     fn judge(

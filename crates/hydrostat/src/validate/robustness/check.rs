@@ -140,7 +140,7 @@ pub(super) struct Check<'a> {
     /// How the tension changes with the angle turned: exp(capstan Theta).
     pub(super) capstan: Vec<f64>,
     pub(super) chords: Chords,
-    /// Tensions that a position right to 1e-9 L, or a friction right to 1e-7, leaves uncertain: a chord of L/30 turns by 3e-8.
+    /// Tensions that a position right to 1e-9 L, or a friction right to 1e-6, leaves uncertain: a chord of L/30 turns by 3e-8.
     uncertain: f64,
 }
 
@@ -195,9 +195,12 @@ impl<'a> Check<'a> {
         let Some(placed) = placed else { return false };
         let poses = placed.iter().map(|station| (station.s, station.position, station.rotation)).collect();
         self.chords = Chords::new(self.robot, poses, &self.tensions, &self.capstan);
-        let doubtful = |i: usize| self.robot.tendons[i].routing == Routing::Guides || self.capstan[i] != 0.0;
-        let pulls = self.tensions.iter().enumerate().filter(|(i, _)| doubtful(*i));
-        self.uncertain = 0.1 * pulls.map(|(_, pull)| pull).sum::<f64>();
+        let doubt = |i: usize| match self.robot.tendons[i].routing {
+            _ if self.capstan[i] != 0.0 => 1.0,
+            Routing::Guides => 0.1,
+            Routing::Channel => 0.0,
+        };
+        self.uncertain = self.tensions.iter().enumerate().map(|(i, pull)| doubt(i) * pull).sum();
         true
     }
 
