@@ -10,7 +10,7 @@ use crate::solution::TendonState;
 use crate::{Error, Robot};
 use nalgebra::{DMatrix, DVector, Vector3};
 
-const MOST_ITERATIONS: usize = 40;
+const MOST_ITERATIONS: usize = 15;
 /// Lengths agree to this part of the tolerance of positions.
 const LENGTH_TOLERANCE: f64 = 0.1;
 /// Part of the last difference of lengths that is still slow.

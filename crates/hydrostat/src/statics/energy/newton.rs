@@ -131,15 +131,11 @@ impl Equations<'_> {
         let symmetric = 0.5 * (&s + s.transpose());
         let curvatures = symmetric.clone().symmetric_eigenvalues();
         let negative = curvatures.iter().filter(|value| **value < -1e-12 * curvatures.amax()).count();
-        // taut tendons pull; where the chain alone is unstable the taut ones stay those of before
+        // taut tendons pull; where the chain alone is unstable there is no minimum to find them by
         let solved = if negative == 0 {
             nonnegative::minimise(&s, &right)
         } else {
-            let taut = drive.taut.clone();
-            let masked = DMatrix::from_fn(count, count, |i, j| {
-                if taut[i] && taut[j] { s[(i, j)] } else { f64::from(u8::from(i == j)) }
-            });
-            masked.lu().solve(&DVector::from_fn(count, |i, _| if taut[i] { right[i] } else { 0.0 }))
+            nonnegative::complementary(&s, &right, &drive.taut)
         };
         let Some(tensions) = solved else {
             return Held { change: f64::NAN, residual: f64::NAN, negative };
@@ -211,6 +207,10 @@ impl Equations<'_> {
                 // the last step is taken, and the next would be too small to matter
                 memory.sweep.place(mesh, self.tables);
                 tendons::measure(mesh, &memory.sweep, &mut memory.drive.lengths, self.robot.tendons.len());
+                if memory.drive.longest_slack(self.robot, self.factor) > ROUNDING_RESIDUAL * self.chain.length
+                {
+                    return Err(Stuck { correction: now.correction });
+                }
                 return Ok(Converged { residual: ahead, negative });
             }
             (last, last_residual) = (now.correction, now.residual);

@@ -50,6 +50,8 @@ const MOST_WORK: usize = 1_000_000;
 /// By how much the loads grow where the robot snaps, and how often it may.
 const SNAP: f64 = 1e-3;
 const MOST_SNAPS: usize = 20;
+/// How often the way is begun anew on the panels that its end needed.
+const MOST_RESTARTS: usize = 3;
 const MOST_BISECTIONS: usize = 6;
 /// Turns of Newton's method and friction, and a change of the shares that has not become small enough.
 const MOST_TURNS: usize = 200;
@@ -78,7 +80,8 @@ pub(in crate::statics) fn find(
     settings: &Settings,
     start: Start,
 ) -> Result<Found, Error> {
-    let mut search = Search { energy, robot, chain, settings, iterations: 0, snapped_from: None };
+    let mut search =
+        Search { energy, robot, chain, settings, iterations: 0, snapped_from: None, relaid: false };
     search.run(start)
 }
 
@@ -90,6 +93,8 @@ struct Search<'a> {
     iterations: usize,
     /// Part of the loads at which the branch ended and the robot snapped.
     snapped_from: Option<f64>,
+    /// Whether panels were cut in two on the way.
+    relaid: bool,
 }
 
 impl Search<'_> {
@@ -237,7 +242,7 @@ impl Search<'_> {
         let mut unstable_from = None;
         self.energy.reached.clone_from(&self.energy.coarse);
         let mut tensions = self.energy.memory.drive.tensions.clone();
-        let mut snaps = 0;
+        let (mut snaps, mut restarts) = (0, 0);
         while reached < 1.0 {
             let factor = (reached + step).min(1.0);
             let part = (factor - reached) / factor;
@@ -261,7 +266,15 @@ impl Search<'_> {
                 if work > MOST_WORK {
                     return Err(self.not_converged(reached, &outcome.err().unwrap_or_default()));
                 }
-                if step < SMALLEST_LOAD_STEP * factor.max(SMALLEST_LOAD) {
+                let ends = step < SMALLEST_LOAD_STEP * factor.max(SMALLEST_LOAD);
+                if ends && self.relaid && restarts < MOST_RESTARTS {
+                    // the panels were too long to believe where they led
+                    (restarts, self.relaid) = (restarts + 1, false);
+                    (reached, step, unstable_from) = (0.0, largest_step, None);
+                    self.lay();
+                    self.energy.reached.clone_from(&self.energy.coarse);
+                    tensions.clone_from(&self.energy.memory.drive.tensions);
+                } else if ends {
                     // the branch ends here: the robot snaps to a minimum of its energy
                     let beyond = (reached * (1.0 + SNAP)).clamp(SMALLEST_LOAD, 1.0);
                     let way = self.snap(beyond, &mut snaps);
@@ -309,6 +322,7 @@ impl Search<'_> {
             let turn = coarse.end_turn(panel, tables.of(panel.nodes.len())).norm();
             if turn > 0.5 * LARGEST_TURN && panel.ends_span {
                 layouts[panel.span].parts *= 2;
+                self.relaid = true;
             }
         }
         self.relay();

@@ -82,6 +82,12 @@ impl Drive {
         self.lengths[tendon] - self.home[tendon] + pulled
             - self.compliance(robot, tendon) * self.tensions[tendon]
     }
+
+    /// Largest excess of a held tendon without tension: above 0 it would have to pull.
+    pub(super) fn longest_slack(&self, robot: &Robot, factor: f64) -> f64 {
+        let slack = self.held.iter().filter(|tendon| self.tensions[**tendon] == 0.0);
+        slack.map(|tendon| self.excess(robot, *tendon, factor)).fold(0.0, f64::max)
+    }
 }
 
 /// Lengths of the paths on the placed shape.
