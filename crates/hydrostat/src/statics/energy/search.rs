@@ -112,12 +112,28 @@ impl Search<'_> {
         }
         self.newton(1.0, 0.1 * tolerance).map_err(|stuck| self.not_converged(1.0, &stuck))?;
         let mut last_difference: Option<f64> = None;
+        let mut restarts = 0;
         // the angle that a tendon turns by converges less fast than the shape
         let rubs = self.rubs();
         let mut reduction = if rubs { SLOWEST_REDUCTION } else { UNSEEN_REDUCTION };
         loop {
             let added = self.refine();
-            let end = self.newton(1.0, 0.1 * tolerance).map_err(|stuck| self.not_converged(1.0, &stuck))?;
+            let end = match self.newton(1.0, 0.1 * tolerance) {
+                Ok(end) => end,
+                Err(_) if restarts < MOST_RESTARTS && matches!(start, Start::Rest) => {
+                    // the panels were too long to believe where they led
+                    restarts += 1;
+                    self.energy.layouts.iter_mut().for_each(|layout| {
+                        *layout = Layout { parts: 2 * layout.parts, points: FIRST_POINTS };
+                    });
+                    self.lay();
+                    unstable_from = self.follow_load()?;
+                    last_difference = None;
+                    self.newton(1.0, 0.1 * tolerance).map_err(|stuck| self.not_converged(1.0, &stuck))?;
+                    continue;
+                }
+                Err(stuck) => return Err(self.not_converged(1.0, &stuck)),
+            };
             let difference = self.difference();
             if let Some(last) = last_difference.filter(|_| added) {
                 let largest = if rubs { SLOWEST_REDUCTION } else { LARGEST_REDUCTION };
@@ -243,11 +259,12 @@ impl Search<'_> {
         self.energy.reached.clone_from(&self.energy.coarse);
         let mut tensions = self.energy.memory.drive.tensions.clone();
         let (mut snaps, mut restarts) = (0, 0);
+        let mut begun = self.iterations;
         while reached < 1.0 {
             let factor = (reached + step).min(1.0);
             let part = (factor - reached) / factor;
             let outcome = self.newton(factor, ON_THE_WAY);
-            let work = self.iterations * self.energy.coarse.data.len();
+            let work = (self.iterations - begun) * self.energy.coarse.data.len();
             let strayed = outcome.is_ok() && self.turned() > LARGEST_LOAD_TURN;
             let unstable = matches!(outcome, Ok(end) if end.negative > 0) && unstable_from.is_none();
             if outcome.is_ok() && !strayed && (!unstable || part < UNSTABLE_BELOW) {
@@ -270,7 +287,7 @@ impl Search<'_> {
                 if ends && self.relaid && restarts < MOST_RESTARTS {
                     // the panels were too long to believe where they led
                     (restarts, self.relaid) = (restarts + 1, false);
-                    (reached, step, unstable_from) = (0.0, largest_step, None);
+                    (reached, step, unstable_from, begun) = (0.0, largest_step, None, self.iterations);
                     self.lay();
                     self.energy.reached.clone_from(&self.energy.coarse);
                     tensions.clone_from(&self.energy.memory.drive.tensions);

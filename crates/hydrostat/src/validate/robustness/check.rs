@@ -12,7 +12,6 @@ use nalgebra::{Matrix3, SVector, Vector3};
 
 /// Runge-Kutta steps over the length of the robot.
 const STEPS: f64 = 1600.0;
-const STEPS_WITH_TENDONS: f64 = 800.0;
 
 /// Turns of tension and strain with friction, which converge like 0.1^n.
 const MOST_KINKS: usize = 8;
@@ -131,7 +130,6 @@ pub(super) struct Check<'a> {
     pub(super) length: f64,
     /// Softest E I.
     ei: f64,
-    steps: f64,
     /// Where the sections begin, and where the tendons end.
     starts: Vec<f64>,
     pub(super) ends: Vec<f64>,
@@ -176,7 +174,6 @@ impl<'a> Check<'a> {
             robot,
             length,
             ei: softest(robot),
-            steps: if robot.tendons.is_empty() { STEPS } else { STEPS_WITH_TENDONS },
             starts,
             ends,
             breaks,
@@ -315,7 +312,7 @@ impl<'a> Check<'a> {
                 state = self.jump(start, &state);
                 self.kink(start, &before, middle, &mut state);
             }
-            let count = ((end - start) / self.length * self.steps).ceil().max(1.0);
+            let count = ((end - start) / self.length * STEPS).ceil().max(1.0);
             let h = (end - start) / count;
             for i in 0..count as usize {
                 let s = start + i as f64 * h;
