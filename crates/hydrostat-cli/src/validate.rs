@@ -11,13 +11,13 @@ const SOROSIM: &str = "sorosim_steel/statics.csv";
 const TITLE: &str = "# Validation\n\nPublished and exact solutions against ours, printed by `hydrostat validate --markdown`;\n\
                      `cargo xtask docs` writes this file.\n\n";
 
-/// The long sweep.
-const RANDOM_RODS: usize = 10_000;
+/// The long sweeps, of rods and of tendon robots.
+const RANDOM: usize = 10_000;
 const SEED: u64 = 1;
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// Also the long sweep over random rods
+    /// Also the long sweeps over random rods and tendon robots
     #[arg(long)]
     full: bool,
     /// Print as Markdown
@@ -32,7 +32,8 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
     let sorosim = args.data.as_ref().map(|folder| files::read_text(&folder.join(SOROSIM))).transpose()?;
     let mut cases = validate::run(sorosim.as_deref());
     if args.full {
-        cases.extend(robustness::sweep(RANDOM_RODS, SEED).cases());
+        cases.extend(robustness::sweep(RANDOM, SEED).cases());
+        cases.extend(robustness::tendon_sweep(RANDOM, SEED).cases());
     }
     let stdout = if args.markdown { TITLE.to_owned() + &validate::markdown(&cases) } else { table(&cases) };
     Ok(Outcome { stdout, passed: cases.iter().all(Case::ok) })

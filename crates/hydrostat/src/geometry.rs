@@ -46,6 +46,14 @@ pub fn cayley_rate(w: &Vector3<f64>, u: &Vector3<f64>) -> Vector3<f64> {
     u + 0.5 * w.cross(u) + (0.25 * w.dot(u)) * w
 }
 
+/// The rotation vector of a rotation by less than half a turn; accurate for small ones, where an arc cosine is not.
+pub fn rotation_vector(q: &Matrix3<f64>) -> Vector3<f64> {
+    let twice_sin = Vector3::new(q.m32 - q.m23, q.m13 - q.m31, q.m21 - q.m12);
+    let sin = 0.5 * twice_sin.norm();
+    let angle = sin.atan2(0.5 * (q.trace() - 1.0));
+    twice_sin * if sin > 0.0 { 0.5 * angle / sin } else { 0.5 }
+}
+
 /// A rotation vector `w` with what its exponential and its rate need, theory (23, 24).
 ///
 /// ```text
@@ -195,6 +203,15 @@ impl RotationVector {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rotation_vector_inverts_the_exponential() {
+        for size in [0.0, 1e-12, 1e-7, 0.3, 3.0] {
+            let w = size * Vector3::new(0.6, -0.48, 0.64);
+            let found = rotation_vector(&RotationVector::new(w).rotation());
+            assert!((found - w).norm() < 1e-14 * (1.0 + size), "{size} {found}");
+        }
+    }
 
     #[test]
     fn cayley_is_a_rotation_and_inverts() {

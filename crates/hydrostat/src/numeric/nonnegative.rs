@@ -53,6 +53,33 @@ pub fn minimise(s: &DMatrix<f64>, b: &DVector<f64>) -> Option<DVector<f64>> {
     None
 }
 
+/// Finds `x >= 0` with `S x >= b` and one of the two an equality in every row, for any `S`, by the primal-dual active-set method
+/// from the unknowns that were `free` before. None where it does not end.
+pub fn complementary(s: &DMatrix<f64>, b: &DVector<f64>, free: &[bool]) -> Option<DVector<f64>> {
+    let n = b.len();
+    let mut free = free.to_vec();
+    for _ in 0..10 * (n + 1) {
+        let masked =
+            DMatrix::from_fn(
+                n,
+                n,
+                |i, j| {
+                    if free[i] && free[j] { s[(i, j)] } else { f64::from(u8::from(i == j)) }
+                },
+            );
+        let x = masked.lu().solve(&DVector::from_fn(n, |i, _| if free[i] { b[i] } else { 0.0 }))?;
+        let rest = b - s * &x;
+        let threshold = 1e-13 * b.amax();
+        let next: Vec<bool> =
+            (0..n).map(|i| if free[i] { x[i] > 0.0 } else { rest[i] > threshold }).collect();
+        if next == free {
+            return Some(x);
+        }
+        free = next;
+    }
+    None
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -68,5 +95,9 @@ mod tests {
         for (x, slope) in x.iter().zip(slope.iter()) {
             assert!(*x >= 0.0 && *slope <= 1e-9 && (x * slope).abs() < 1e-9);
         }
+        let regular = s + DMatrix::identity(4, 4);
+        let [x, y] =
+            [minimise(&regular, &b), complementary(&regular, &b, &[true; 4])].map(|x| x.expect("ends"));
+        assert!((x - y).norm() < 1e-9);
     }
 }

@@ -67,7 +67,7 @@ pub(super) struct Jump {
 }
 
 /// Points of a step: the abscissae of the stages, then the middle.
-const POINTS: [f64; STAGES + 1] = {
+pub(super) const POINTS: [f64; STAGES + 1] = {
     let mut points = [0.5; STAGES + 1];
     let mut i = 0;
     while i < STAGES {

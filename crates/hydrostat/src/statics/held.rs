@@ -10,9 +10,11 @@ use crate::solution::TendonState;
 use crate::{Error, Robot};
 use nalgebra::{DMatrix, DVector, Vector3};
 
-const MOST_ITERATIONS: usize = 40;
+const MOST_ITERATIONS: usize = 15;
 /// Lengths agree to this part of the tolerance of positions.
 const LENGTH_TOLERANCE: f64 = 0.1;
+/// Part of the last difference of lengths that is still slow.
+const SLOW: f64 = 0.2;
 /// Differences of tensions that bend the robot by about this angle.
 const DIFFERENCE: f64 = 3e-3;
 
@@ -45,9 +47,10 @@ pub(super) fn solve(
     }
     let home = home_lengths(robot, workspace);
     let mut lengths = lengths(robot, workspace);
-    // differences of lengths lose digits
-    let tolerance = (0.01 * settings.tolerance).max(1e-12);
+    let tolerance = (LENGTH_TOLERANCE * settings.tolerance).max(1e-12);
     let quick = Settings { eigenvalue: false, tolerance, ..settings.clone() };
+    let mut s = DMatrix::zeros(held.len(), held.len());
+    let mut last_off = 0.0;
     for _ in 0..MOST_ITERATIONS {
         let tensions = workspace.tensions.clone();
         let excess: Vec<f64> =
@@ -56,12 +59,14 @@ pub(super) fn solve(
             .iter()
             .zip(&excess)
             .map(|(&i, excess)| if tensions[i] > 0.0 { excess.abs() } else { excess.max(0.0) });
-        if off.fold(0.0, f64::max) <= LENGTH_TOLERANCE * settings.tolerance * workspace.chain.length {
+        let off = off.fold(0.0, f64::max);
+        if off <= LENGTH_TOLERANCE * settings.tolerance * workspace.chain.length {
             return Ok((found, states(robot, &workspace.tensions, &home, &lengths)));
         }
-        // how the lengths follow the tensions
-        let mut s = DMatrix::zeros(held.len(), held.len());
-        for (column, &j) in held.iter().enumerate() {
+        // how the lengths follow the tensions, anew where what was known of it leads on too slowly
+        let slow = off > SLOW * last_off;
+        last_off = off;
+        for (column, &j) in held.iter().enumerate().filter(|_| slow) {
             let arm = robot.tendons[j].path.radius.max(1e-3 * workspace.chain.length);
             let change = DIFFERENCE * workspace.chain.stiffness / (arm * workspace.chain.length);
             let mut at = |tension: f64| -> Result<Vec<f64>, Error> {
@@ -78,7 +83,8 @@ pub(super) fn solve(
         }
         let now = DVector::from_iterator(held.len(), held.iter().map(|&i| tensions[i]));
         let right = DVector::from_vec(excess) + &s * &now;
-        let Some(target) = nonnegative::minimise(&(0.5 * (&s + s.transpose())), &right) else { break };
+        // with followers it is not symmetric
+        let Some(target) = nonnegative::minimise(&s, &right) else { break };
         // as far towards them as the robot can be solved
         let mut part = 1.0;
         found = loop {

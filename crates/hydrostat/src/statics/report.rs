@@ -70,6 +70,12 @@ pub(super) fn of_energy(
     let stations: Vec<Station> = (0..settings.stations)
         .map(|i| energy.station(robot, chain, chain_position(chain, i, settings.stations)))
         .collect();
+    if let Some(station) =
+        stations.iter().find(|station| !(station.u.norm() + station.position.norm()).is_finite())
+    {
+        return Err(Error::new(format!("the section law has no answer at s = {:.4} m", station.s))
+            .hint("a tendon bends the backbone around its own hole: pull less, or stiffen the backbone"));
+    }
     let falls = found.negative > 0;
     let stable = if falls { Some(false) } else { chain.conservative.then_some(true) };
     let judged =
@@ -100,13 +106,19 @@ pub(super) fn of_energy(
 
 /// The state at `s`, on the base side of a jump.
 pub(super) fn station(s: f64, robot: &Robot, chain: &Chain, tensions: &[f64], mesh: &Mesh) -> Station {
-    let k = mesh.steps.partition_point(|step| step.from < s).saturating_sub(1);
+    // rounding must not carry a cut to its far side
+    let k = mesh.steps.partition_point(|step| step.from + SAME_PLACE * step.length < s).saturating_sub(1);
     let step = &mesh.steps[k];
     // a whole step is taken as it stands, so that the last station is the tip to the last bit
     let part = if (s - step.from - step.length).abs() <= f64::EPSILON * chain.length {
         step.clone()
     } else {
-        chain.spans[chain.span_at(s)].step(robot, tensions, step.from, (s - step.from).max(0.0))
+        chain.spans[chain.span_at(step.from + 0.5 * step.length)].step(
+            robot,
+            tensions,
+            step.from,
+            (s - step.from).max(0.0),
+        )
     };
     let (node, displacement) = rod::integrate(&part, 1.0, &mesh.own[k]);
     let section = rod::section_law(&part, rod::END, 1.0, &node);
@@ -129,6 +141,8 @@ pub(super) fn station(s: f64, robot: &Robot, chain: &Chain, tensions: &[f64], me
     }
 }
 
+/// A place closer to a cut than this part of a step is the cut.
+const SAME_PLACE: f64 = 1e-11;
 /// Points per span at which a path at rest is summed.
 pub(super) const STATION_POINTS: usize = 8;
 

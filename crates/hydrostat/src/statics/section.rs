@@ -61,8 +61,10 @@ impl Pulled {
 }
 
 /// Iterations of the section law, and the relative change at which they end.
-const MOST_ITERATIONS: usize = 30;
+const MOST_ITERATIONS: usize = 60;
 const CONVERGED: f64 = 1e-15;
+/// Changes above this are halved where they lead away.
+const HALVED_ABOVE: f64 = 1e-6;
 
 /// The section law with tendons, theory (27): strains under the total force and moment, body frame.
 ///
@@ -80,17 +82,29 @@ pub(super) fn strains(
 ) -> (Vector3<f64>, Vector3<f64>) {
     let mut v = Vector3::z();
     let mut u = *rest_curvature;
-    let mut last = f64::INFINITY;
+    let (mut change_v, mut change_u) = (Vector3::zeros(), Vector3::zeros());
+    let (mut last, mut last_off) = (f64::INFINITY, f64::INFINITY);
+    // makes bending a strain of the same size
+    let arm = (shear.z / bend.z).sqrt();
     for _ in 0..MOST_ITERATIONS {
         let mut pulled = Pulled::default();
         pulls.clone().for_each(|pull| pulled.add(&pull, &v, &u));
         // in units of strain
         let off_v = v - Vector3::z() - shear.component_mul(&(force - pulled.force));
         let off_u = u - rest_curvature - bend.component_mul(&(moment - pulled.moment));
+        let off = off_v.norm() + arm * off_u.norm();
+        if off > last_off && last > HALVED_ABOVE {
+            // too far: back by half
+            (change_v, change_u, last) = (0.5 * change_v, 0.5 * change_u, 0.5 * last);
+            v += change_v;
+            u += change_u;
+            continue;
+        }
+        last_off = off;
         let Some(tangent) = compliance(shear, bend, &pulled) else { break };
         let (stiff_v, stiff_u) = (off_v.component_div(shear), off_u.component_div(bend));
-        let change_v = tangent[0] * stiff_v + tangent[1] * stiff_u;
-        let change_u = tangent[2] * stiff_v + tangent[3] * stiff_u;
+        change_v = tangent[0] * stiff_v + tangent[1] * stiff_u;
+        change_u = tangent[2] * stiff_v + tangent[3] * stiff_u;
         v -= change_v;
         u -= change_u;
         let change = change_v.amax() + change_u.amax() / (1.0 + u.amax());

@@ -1,13 +1,13 @@
 //! Panels of the backbone with their Gauss nodes: what does not depend on the shape, and the shape itself.
 
-use crate::geometry::RotationVector;
+use crate::geometry::{RotationVector, rotation_vector};
 use crate::model::{Robot, Routing};
 use crate::numeric::collocation::{Collocation, FEWEST, MOST, Row};
 use crate::numeric::larger;
 use crate::solution::Station;
 use crate::statics::chain::Chain;
 use crate::statics::section::Pull;
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
 
 /// A piece of a span with its own polynomial.
@@ -120,6 +120,9 @@ pub(super) struct Layout {
     pub(super) parts: usize,
     pub(super) points: usize,
 }
+
+/// A place closer to a cut than this part of a panel is the cut.
+const SAME_PLACE: f64 = 1e-11;
 
 impl Mesh {
     /// Lays panels on the chain, one layout per span, at rest.
@@ -237,35 +240,30 @@ impl Mesh {
 
 /// The shape between the nodes.
 pub(super) struct Sample {
-    pub(super) panel: usize,
     pub(super) position: Vector3<f64>,
     pub(super) rotation: Matrix3<f64>,
     pub(super) v: Vector3<f64>,
-    pub(super) u: Vector3<f64>,
 }
 
 impl Mesh {
+    /// Number of the panel that holds `s`, the earlier one at a cut.
+    pub(super) fn panel_at(&self, s: f64) -> usize {
+        self.panels.partition_point(|panel| panel.from + SAME_PLACE * panel.length < s).saturating_sub(1)
+    }
+
     /// The placed shape at `s`, on the base side of a cut.
     pub(super) fn at(&self, tables: &Tables, s: f64) -> Sample {
-        let k = self.panels.partition_point(|panel| panel.from < s).saturating_sub(1);
+        let k = self.panel_at(s);
         let panel = &self.panels[k];
         let table = tables.of(panel.nodes.len());
         let t = ((s - panel.from) / panel.length).clamp(0.0, 1.0);
-        let (rotation, v, u) = self.within(panel, table, &self.rotations[k], t);
+        let (rotation, v, _) = self.within(panel, table, &self.rotations[k], t);
         let mut position = self.positions[k];
         for (point, weight) in table.points.iter().zip(&table.weights) {
             let (rotation, v, _) = self.within(panel, table, &self.rotations[k], t * point);
             position += (t * weight * panel.length) * (rotation * v);
         }
-        Sample { panel: k, position, rotation, v, u }
-    }
-
-    /// Rotation and v at `s` in panel `k`.
-    pub(super) fn rotation_and_v(&self, tables: &Tables, k: usize, s: f64) -> (Matrix3<f64>, Vector3<f64>) {
-        let panel = &self.panels[k];
-        let t = ((s - panel.from) / panel.length).clamp(0.0, 1.0);
-        let (rotation, v, _) = self.within(panel, tables.of(panel.nodes.len()), &self.rotations[k], t);
-        (rotation, v)
+        Sample { position, rotation, v }
     }
 
     /// Tension of a channel tendon at `s` in panel `k` over that at the base.
@@ -319,8 +317,7 @@ impl Mesh {
             let points = &tables.of(panel.nodes.len()).points;
             for (node, point) in panel.nodes.clone().zip(points) {
                 let sample = from.at(tables, panel.from + point * panel.length);
-                let turn = Rotation3::from_matrix_unchecked(start.tr_mul(&sample.rotation));
-                self.turn[node] = turn.scaled_axis();
+                self.turn[node] = rotation_vector(&start.tr_mul(&sample.rotation));
                 self.v[node] = sample.v;
             }
         }
@@ -332,7 +329,7 @@ impl Mesh {
             let k = shape.partition_point(|station| station.s < s).clamp(1, shape.len() - 1);
             let (a, b) = (&shape[k - 1], &shape[k]);
             let t = ((s - a.s) / (b.s - a.s)).clamp(0.0, 1.0);
-            let turn = Rotation3::from_matrix_unchecked(a.rotation.tr_mul(&b.rotation)).scaled_axis();
+            let turn = rotation_vector(&a.rotation.tr_mul(&b.rotation));
             (a.rotation * RotationVector::new(t * turn).rotation(), a.v.lerp(&b.v, t))
         };
         for panel in &self.panels {
@@ -340,7 +337,7 @@ impl Mesh {
             let points = &tables.of(panel.nodes.len()).points;
             for (node, point) in panel.nodes.clone().zip(points) {
                 let (rotation, v) = rotation_at(panel.from + point * panel.length);
-                self.turn[node] = Rotation3::from_matrix_unchecked(start.tr_mul(&rotation)).scaled_axis();
+                self.turn[node] = rotation_vector(&start.tr_mul(&rotation));
                 self.v[node] = v;
             }
         }

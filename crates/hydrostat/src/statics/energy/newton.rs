@@ -37,6 +37,8 @@ pub(super) struct Linearised {
 
 /// Newton's corrections must shrink at least by this factor, or the start is too far for the same branch.
 const CONTRACTION: f64 = 0.5;
+/// .. or the residual, where they are below this, rad.
+const SMALL: f64 = 1e-2;
 const MAX_ITERATIONS: usize = 50;
 /// Of two iterations, how much faster than linear: correction_(k+1) < QUADRATIC correction_k^2.
 const QUADRATIC: f64 = 10.0;
@@ -126,15 +128,11 @@ impl Equations<'_> {
         let symmetric = 0.5 * (&s + s.transpose());
         let curvatures = symmetric.clone().symmetric_eigenvalues();
         let negative = curvatures.iter().filter(|value| **value < -1e-12 * curvatures.amax()).count();
-        // taut tendons pull; where the chain alone is unstable the taut ones stay those of before
+        // taut tendons pull; where the chain alone is unstable there is no minimum to find them by
         let solved = if negative == 0 {
             nonnegative::minimise(&s, &right)
         } else {
-            let taut = drive.taut.clone();
-            let masked = DMatrix::from_fn(count, count, |i, j| {
-                if taut[i] && taut[j] { s[(i, j)] } else { f64::from(u8::from(i == j)) }
-            });
-            masked.lu().solve(&DVector::from_fn(count, |i, _| if taut[i] { right[i] } else { 0.0 }))
+            nonnegative::complementary(&s, &right, &drive.taut)
         };
         let Some(tensions) = solved else {
             return Held { change: f64::NAN, residual: f64::NAN, negative };
@@ -176,14 +174,17 @@ impl Equations<'_> {
         target: f64,
         iterations: &mut usize,
     ) -> Result<Converged, Stuck> {
-        let mut last = f64::INFINITY;
+        let (mut last, mut last_residual) = (f64::INFINITY, f64::INFINITY);
         for _ in 0..MAX_ITERATIONS {
             let now = self.linearise(memory, mesh, 0.0);
             *iterations += 1;
             let contraction = if now.correction > 0.0 { now.correction / last } else { 0.0 };
             let rounding = now.correction <= ROUNDING_CORRECTION && contraction > CONTRACTION;
             let first = last == f64::INFINITY && now.correction.is_finite();
-            let Some(negative) = now.negative.filter(|_| first || rounding || contraction <= CONTRACTION)
+            // a small step that brings the equations closer leads to no other branch
+            let closer = now.correction < SMALL && now.residual <= CONTRACTION * last_residual;
+            let Some(negative) =
+                now.negative.filter(|_| first || rounding || closer || contraction <= CONTRACTION)
             else {
                 return Err(Stuck { correction: now.correction });
             };
@@ -203,9 +204,13 @@ impl Equations<'_> {
                 // the last step is taken, and the next would be too small to matter
                 memory.sweep.place(mesh, self.tables);
                 tendons::measure(mesh, &memory.sweep, &mut memory.drive.lengths, self.robot.tendons.len());
+                if memory.drive.longest_slack(self.robot, self.factor) > ROUNDING_RESIDUAL * self.chain.length
+                {
+                    return Err(Stuck { correction: now.correction });
+                }
                 return Ok(Converged { residual: ahead, negative });
             }
-            last = now.correction;
+            (last, last_residual) = (now.correction, now.residual);
         }
         Err(Stuck { correction: last })
     }

@@ -8,8 +8,8 @@ use crate::numeric::collocation::MOST;
 use crate::numeric::larger;
 use crate::solution::{Station, TendonState};
 use crate::statics::Settings;
-use crate::statics::chain::Chain;
-use crate::statics::section::{self, Pull};
+use crate::statics::chain::{Chain, POINTS, Span, Step};
+use crate::statics::rod::{self, Node};
 use crate::{Error, Robot};
 use nalgebra::{Matrix3, Vector3};
 
@@ -35,6 +35,9 @@ const SAFETY: f64 = 3.0;
 /// What is assumed of the reduction by one more point before it has been seen, and the largest that is believed.
 const UNSEEN_REDUCTION: f64 = 8.0;
 const LARGEST_REDUCTION: f64 = 64.0;
+const SLOWEST_REDUCTION: f64 = 2.0;
+/// Length, in parts of the whole, that an error of the part of a tension that friction leaves counts for.
+const SHARES: f64 = 0.01;
 const MOST_NODES: usize = 20_000;
 /// A load step may turn no cross-section by more (radians).
 const LARGEST_LOAD_TURN: f64 = 0.7;
@@ -47,10 +50,14 @@ const MOST_WORK: usize = 1_000_000;
 /// By how much the loads grow where the robot snaps, and how often it may.
 const SNAP: f64 = 1e-3;
 const MOST_SNAPS: usize = 20;
+/// How often the way is begun anew on the panels that its end needed.
+const MOST_RESTARTS: usize = 3;
 const MOST_BISECTIONS: usize = 6;
 /// Turns of Newton's method and friction, and a change of the shares that has not become small enough.
 const MOST_TURNS: usize = 200;
 const SLOW: f64 = 0.7;
+/// Stations are integrated in steps of at most this angle, of shape and load, rad.
+const STATION_ANGLE: f64 = 0.3;
 /// Accuracy on the way to the full load: enough to start the next step.
 const ON_THE_WAY: f64 = 1e-7;
 
@@ -73,7 +80,8 @@ pub(in crate::statics) fn find(
     settings: &Settings,
     start: Start,
 ) -> Result<Found, Error> {
-    let mut search = Search { energy, robot, chain, settings, iterations: 0, snapped_from: None };
+    let mut search =
+        Search { energy, robot, chain, settings, iterations: 0, snapped_from: None, relaid: false };
     search.run(start)
 }
 
@@ -85,6 +93,8 @@ struct Search<'a> {
     iterations: usize,
     /// Part of the loads at which the branch ended and the robot snapped.
     snapped_from: Option<f64>,
+    /// Whether panels were cut in two on the way.
+    relaid: bool,
 }
 
 impl Search<'_> {
@@ -102,13 +112,32 @@ impl Search<'_> {
         }
         self.newton(1.0, 0.1 * tolerance).map_err(|stuck| self.not_converged(1.0, &stuck))?;
         let mut last_difference: Option<f64> = None;
-        let mut reduction = UNSEEN_REDUCTION;
+        let mut restarts = 0;
+        // the angle that a tendon turns by converges less fast than the shape
+        let rubs = self.rubs();
+        let mut reduction = if rubs { SLOWEST_REDUCTION } else { UNSEEN_REDUCTION };
         loop {
             let added = self.refine();
-            let end = self.newton(1.0, 0.1 * tolerance).map_err(|stuck| self.not_converged(1.0, &stuck))?;
+            let end = match self.newton(1.0, 0.1 * tolerance) {
+                Ok(end) => end,
+                Err(_) if restarts < MOST_RESTARTS && matches!(start, Start::Rest) => {
+                    // the panels were too long to believe where they led
+                    restarts += 1;
+                    self.energy.layouts.iter_mut().for_each(|layout| {
+                        *layout = Layout { parts: 2 * layout.parts, points: FIRST_POINTS };
+                    });
+                    self.lay();
+                    unstable_from = self.follow_load()?;
+                    last_difference = None;
+                    self.newton(1.0, 0.1 * tolerance).map_err(|stuck| self.not_converged(1.0, &stuck))?;
+                    continue;
+                }
+                Err(stuck) => return Err(self.not_converged(1.0, &stuck)),
+            };
             let difference = self.difference();
             if let Some(last) = last_difference.filter(|_| added) {
-                reduction = (last / difference).clamp(2.0, LARGEST_REDUCTION);
+                let largest = if rubs { SLOWEST_REDUCTION } else { LARGEST_REDUCTION };
+                reduction = (last / difference).clamp(SLOWEST_REDUCTION, largest);
             }
             last_difference = added.then_some(difference);
             let nodes = self.energy.coarse.data.len();
@@ -195,7 +224,7 @@ impl Search<'_> {
 
     /// Newton's method on the coarse mesh; with friction in turns with the tensions along the tendons.
     fn newton(&mut self, factor: f64, target: f64) -> Result<Converged, Stuck> {
-        let rubs = self.robot.tendons.iter().any(|tendon| tendon.friction > 0.0);
+        let rubs = self.rubs();
         let (mut part, mut last) = (1.0, f64::INFINITY);
         for _ in 0..MOST_TURNS {
             let Energy { tables, coarse, memory, .. } = &mut *self.energy;
@@ -218,6 +247,10 @@ impl Search<'_> {
         Err(Stuck { correction: last })
     }
 
+    fn rubs(&self) -> bool {
+        self.robot.tendons.iter().any(|tendon| tendon.friction > 0.0)
+    }
+
     /// Follows the primary branch as the loads grow from 0 to 1. Returns the part at which it first turned unstable.
     fn follow_load(&mut self) -> Result<Option<f64>, Error> {
         let largest_step = self.settings.largest_load_step;
@@ -225,12 +258,13 @@ impl Search<'_> {
         let mut unstable_from = None;
         self.energy.reached.clone_from(&self.energy.coarse);
         let mut tensions = self.energy.memory.drive.tensions.clone();
-        let mut snaps = 0;
+        let (mut snaps, mut restarts) = (0, 0);
+        let mut begun = self.iterations;
         while reached < 1.0 {
             let factor = (reached + step).min(1.0);
             let part = (factor - reached) / factor;
             let outcome = self.newton(factor, ON_THE_WAY);
-            let work = self.iterations * self.energy.coarse.data.len();
+            let work = (self.iterations - begun) * self.energy.coarse.data.len();
             let strayed = outcome.is_ok() && self.turned() > LARGEST_LOAD_TURN;
             let unstable = matches!(outcome, Ok(end) if end.negative > 0) && unstable_from.is_none();
             if outcome.is_ok() && !strayed && (!unstable || part < UNSTABLE_BELOW) {
@@ -249,7 +283,15 @@ impl Search<'_> {
                 if work > MOST_WORK {
                     return Err(self.not_converged(reached, &outcome.err().unwrap_or_default()));
                 }
-                if step < SMALLEST_LOAD_STEP * factor.max(SMALLEST_LOAD) {
+                let ends = step < SMALLEST_LOAD_STEP * factor.max(SMALLEST_LOAD);
+                if ends && self.relaid && restarts < MOST_RESTARTS {
+                    // the panels were too long to believe where they led
+                    (restarts, self.relaid) = (restarts + 1, false);
+                    (reached, step, unstable_from, begun) = (0.0, largest_step, None, self.iterations);
+                    self.lay();
+                    self.energy.reached.clone_from(&self.energy.coarse);
+                    tensions.clone_from(&self.energy.memory.drive.tensions);
+                } else if ends {
                     // the branch ends here: the robot snaps to a minimum of its energy
                     let beyond = (reached * (1.0 + SNAP)).clamp(SMALLEST_LOAD, 1.0);
                     let way = self.snap(beyond, &mut snaps);
@@ -297,6 +339,7 @@ impl Search<'_> {
             let turn = coarse.end_turn(panel, tables.of(panel.nodes.len())).norm();
             if turn > 0.5 * LARGEST_TURN && panel.ends_span {
                 layouts[panel.span].parts *= 2;
+                self.relaid = true;
             }
         }
         self.relay();
@@ -342,7 +385,22 @@ impl Search<'_> {
             let end = fine.at(tables, panel.from + panel.length).position;
             largest = larger(largest, (coarse.positions[k + 1] - end).norm());
         }
-        largest
+        if self.rubs() { larger(largest, self.difference_of_shares()) } else { largest }
+    }
+
+    /// Largest difference of the parts of the tensions that friction leaves, as a length.
+    fn difference_of_shares(&self) -> f64 {
+        let Energy { tables, coarse, fine, .. } = &*self.energy;
+        let mut largest = 0.0;
+        for (i, tendon) in self.robot.tendons.iter().enumerate().filter(|(_, tendon)| tendon.friction > 0.0) {
+            let end = self.robot.tendon_end(tendon);
+            for (k, panel) in coarse.panels.iter().enumerate().filter(|(_, panel)| panel.from < end) {
+                let s = panel.from + 0.1 * panel.length;
+                let shares = (coarse.share(tables, k, i, s), fine.share(tables, fine.panel_at(s), i, s));
+                largest = larger(largest, (shares.0 - shares.1).abs());
+            }
+        }
+        SHARES * largest * self.chain.length
     }
 
     fn judge(
@@ -351,6 +409,9 @@ impl Search<'_> {
         error_estimate: f64,
         unstable_from: Option<f64>,
     ) -> Result<Found, Error> {
+        if let Some(folded) = self.folded(1.0) {
+            return Err(folded);
+        }
         // at the last shape, not at the one before the last step
         let Energy { tables, coarse, memory, .. } = &mut *self.energy;
         let equations = Equations { robot: self.robot, chain: self.chain, tables, factor: 1.0 };
@@ -403,7 +464,22 @@ impl Search<'_> {
         negative != Some(0)
     }
 
+    /// Tendons that the robot has bent around so far that nothing is left of their way.
+    fn folded(&self, reached: f64) -> Option<Error> {
+        let (tendon, s) = tendons::folded(&self.energy.coarse, &self.energy.memory.sweep)?;
+        let name = &self.robot.tendons[tendon].name;
+        let message = format!(
+            "the robot folds about tendon \"{name}\" near s = {s:.4} m at {:.3} % of the loads: the way from hole to hole \
+             shrinks to nothing there",
+            100.0 * reached
+        );
+        Some(Error::new(message).hint("pull less, set the guides closer, or stiffen the backbone"))
+    }
+
     fn not_converged(&self, reached: f64, stuck: &Stuck) -> Error {
+        if let Some(folded) = self.folded(reached) {
+            return folded;
+        }
         Error::new(format!(
             "no equilibrium found beyond {:.3} % of the loads: {} Newton iterations, last correction {:.1e}",
             100.0 * reached,
@@ -429,57 +505,65 @@ impl Energy {
         robot.tendons.iter().enumerate().map(state).collect()
     }
 
-    /// The state at `s`, on the base side of a jump: the shape by its polynomial, the strains by the section law from the
-    /// wrench, which is more accurate than their polynomial.
+    /// The state at `s`, on the base side of a jump: integrated back from the end of its panel, where the solution is most
+    /// accurate.
     pub(in crate::statics) fn station(&self, robot: &Robot, chain: &Chain, s: f64) -> Station {
-        let Energy { tables, coarse, memory, .. } = self;
-        let sample = coarse.at(tables, s);
-        let panel = &coarse.panels[sample.panel];
+        let Energy { coarse, memory, .. } = self;
+        let k = coarse.panel_at(s);
+        let panel = &coarse.panels[k];
         let span = &chain.spans[panel.span];
-        let section = &robot.sections[span.section];
-        let table = tables.of(panel.nodes.len());
-        // the moment from that at the panel's end, m' = -p' x n - l
         let chords = memory.sweep.chord_force(panel);
-        let rest = (panel.from + panel.length - s).max(0.0);
-        let mut moment = coarse.rotations[sample.panel + 1] * memory.sweep.end_moment(sample.panel);
-        for (point, weight) in table.points.iter().zip(&table.weights) {
-            let at = s + point * rest;
-            let (rotation, v) = coarse.rotation_and_v(tables, sample.panel, at);
-            let weighed = (rotation * span.mass_moment(robot, at)).cross(&robot.gravity);
-            let force = span.dead_force(robot, at) + chords;
-            moment += (weight * rest) * ((rotation * v).cross(&force) + span.moment_per_length + weighed);
+        let (end, rest) = (panel.from + panel.length, (panel.from + panel.length - s).max(0.0));
+        let (_, bend) = robot.sections[span.section].stiffness(span.fraction(robot, s));
+        let force = (span.dead_force(robot, s) + chords).norm();
+        let per_length = (force / bend.min()).sqrt().max(span.largest_angle(robot));
+        let angle = rest * per_length.max(LARGEST_TURN / panel.length);
+        let parts = (angle / STATION_ANGLE).ceil().max(1.0);
+        let mut node = Node {
+            rotation: coarse.rotations[k + 1],
+            moment: coarse.rotations[k + 1] * memory.sweep.end_moment(k),
+            force: Vector3::zeros(),
+        };
+        let mut position = coarse.positions[k + 1];
+        let mut step = self.step_with_chords(robot, span, k, end, -rest / parts);
+        for part in 0..parts as usize {
+            if part > 0 {
+                step = self.step_with_chords(robot, span, k, end - part as f64 * rest / parts, -rest / parts);
+            }
+            let (next, displacement) = rod::integrate(&step, 1.0, &node);
+            (node, position) = (next, position + displacement);
         }
-        let force = span.dead_force(robot, s) + chords;
-        let (shear, bend) = section.stiffness(span.fraction(robot, s));
-        let drive = &memory.drive;
-        let middle = 0.5 * (span.from + span.to);
-        let pulls = robot.tendons.iter().enumerate().filter_map(|(i, tendon)| {
-            let end = robot.tendon_end(tendon);
-            (tendon.routing == Routing::Channel && middle < end).then(|| {
-                let (hole, along) = tendon.path.hole(s / end, end);
-                let share = coarse.share(tables, sample.panel, i, s);
-                Pull { hole, along, tension: drive.tensions[i] * share }
-            })
-        });
-        let (v, u) = section::strains(
-            &shear.map(f64::recip),
-            &bend.map(f64::recip),
-            &section.rest_curvature,
-            pulls,
-            &sample.rotation.tr_mul(&force),
-            &sample.rotation.tr_mul(&moment),
-        );
-        // a section law without an answer leaves the polynomial's
-        let (v, u) = if u.x.is_nan() { (sample.v, sample.u) } else { (v, u) };
+        let section = rod::section_law(&step, rod::END, 1.0, &node);
         Station {
             s,
-            position: sample.position,
-            rotation: sample.rotation,
-            v,
-            u,
-            force: sample.rotation * shear.component_mul(&(v - Vector3::z())),
-            moment: sample.rotation * bend.component_mul(&(u - section.rest_curvature)),
+            position,
+            rotation: node.rotation,
+            v: section.v,
+            u: section.u,
+            force: node.rotation * section.backbone_force(&step),
+            moment: node.rotation * section.backbone_moment(&step),
         }
+    }
+
+    /// A step within panel `k`, under the chords beside it and the tensions that friction leaves.
+    fn step_with_chords(&self, robot: &Robot, span: &Span, k: usize, from: f64, length: f64) -> Step {
+        let Energy { tables, coarse, memory, .. } = self;
+        let mut step = span.step(robot, &memory.drive.tensions, from, length);
+        let chords = memory.sweep.chord_force(&coarse.panels[k]);
+        step.stages.iter_mut().for_each(|stage| stage.force += chords);
+        if !memory.drive.mean_shares.is_empty() {
+            let middle = 0.5 * (span.from + span.to);
+            let passing = (0..robot.tendons.len()).filter(|&i| {
+                let tendon = &robot.tendons[i];
+                tendon.routing == Routing::Channel && middle < robot.tendon_end(tendon)
+            });
+            for (points, i) in step.pulls.iter_mut().zip(passing) {
+                for (pull, c) in points.iter_mut().zip(POINTS) {
+                    pull.tension *= coarse.share(tables, k, i, from + c * length);
+                }
+            }
+        }
+        step
     }
 
     /// Span, arc length, v and u at several places of every panel, both ends included.

@@ -7,6 +7,9 @@ use crate::Robot;
 use crate::model::Command;
 use nalgebra::Vector3;
 
+/// A path that gains so little along the backbone, per length of it, has shrunk to nothing.
+const FOLDED: f64 = 1e-3;
+
 /// How the tendons are driven.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Drive {
@@ -79,6 +82,12 @@ impl Drive {
         self.lengths[tendon] - self.home[tendon] + pulled
             - self.compliance(robot, tendon) * self.tensions[tendon]
     }
+
+    /// Largest excess of a held tendon without tension: above 0 it would have to pull.
+    pub(super) fn longest_slack(&self, robot: &Robot, factor: f64) -> f64 {
+        let slack = self.held.iter().filter(|tendon| self.tensions[**tendon] == 0.0);
+        slack.map(|tendon| self.excess(robot, *tendon, factor)).fold(0.0, f64::max)
+    }
 }
 
 /// Lengths of the paths on the placed shape.
@@ -128,4 +137,28 @@ impl Mesh {
         let (a, b) = (gap.panels.start, gap.panels.end);
         self.positions[b] - self.positions[a] + self.rotations[b] * holes[1] - self.rotations[a] * holes[0]
     }
+}
+
+/// A tendon whose path shrinks to nothing, and where: the robot has folded about it.
+pub(super) fn folded(mesh: &Mesh, sweep: &Sweep) -> Option<(usize, f64)> {
+    for panel in &mesh.panels {
+        for node in panel.nodes.clone() {
+            for passing in &mesh.passing[mesh.data[node].passing.clone()] {
+                let (speed, tangent) = node::tangent(&sweep.shapes[node], passing);
+                if speed * tangent.z < FOLDED {
+                    return Some((passing.tendon, panel.from));
+                }
+            }
+        }
+    }
+    for gap in &mesh.gaps {
+        let panels = &mesh.panels[gap.panels.clone()];
+        let length: f64 = panels.iter().map(|panel| panel.length).sum();
+        for chord in &mesh.chords[gap.chords.clone()] {
+            if mesh.chord(gap, &chord.holes).norm() < FOLDED * length {
+                return Some((chord.tendon, panels[0].from));
+            }
+        }
+    }
+    None
 }

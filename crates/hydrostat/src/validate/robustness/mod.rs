@@ -1,8 +1,13 @@
-//! Random rods: every one ends as an equilibrium that passes an independent check, or as an explained refusal.
+//! Random rods and tendon robots: every one ends as an equilibrium that passes an independent check, or as an explained refusal.
 
 mod branch;
 mod check;
+mod chords;
+mod commands;
+mod law;
 mod random;
+mod tendon_robots;
+mod tendon_sweep;
 
 use super::{Case, Group};
 use crate::solution::Method;
@@ -13,6 +18,8 @@ pub use check::{Defects, defects};
 pub use random::robot;
 use std::collections::BTreeMap;
 use std::fmt;
+pub use tendon_robots::tendon_robot;
+pub use tendon_sweep::{TendonSweep, solve_with_plates, tendon_sweep};
 
 /// What became of the rods of a sweep.
 #[derive(Clone, Debug, Default, PartialEq)]

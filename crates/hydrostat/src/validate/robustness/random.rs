@@ -13,8 +13,7 @@ const REST_ANGLE: f64 = 3.0;
 
 /// The rod of this index; each has its own stream, so that one can be repeated alone.
 pub fn robot(seed: u64, index: usize) -> Robot {
-    let mut random = Random(seed.wrapping_mul(0xD134_2543_DE82_EF95).wrapping_add(index as u64));
-    random.next();
+    let mut random = Random::new(seed, index);
     let length = random.log_uniform(0.05, 2.0);
     let thickness = length / random.log_uniform(10.0, 1000.0);
     let youngs_modulus = random.log_uniform(1e6, 2e11);
@@ -54,7 +53,13 @@ pub fn robot(seed: u64, index: usize) -> Robot {
 }
 
 /// Round, tube or strip; a third of them tapered to between a half and the whole; half of them bent at rest.
-fn section(random: &mut Random, length: f64, total: f64, thickness: f64, material: &Material) -> Section {
+pub(super) fn section(
+    random: &mut Random,
+    length: f64,
+    total: f64,
+    thickness: f64,
+    material: &Material,
+) -> Section {
     let d = thickness * random.uniform(0.7, 1.0);
     let taper = if random.chance(0.33) { random.uniform(0.5, 1.0) } else { 1.0 };
     let ratio = random.uniform(0.3, 0.9);
@@ -149,9 +154,16 @@ fn loads(random: &mut Random, robot: &Robot) -> Vec<Load> {
 }
 
 /// SplitMix64 (Steele, Lea & Flood 2014): ten lines instead of a dependency.
-struct Random(u64);
+pub(super) struct Random(u64);
 
 impl Random {
+    /// The stream of one index.
+    pub(super) fn new(seed: u64, index: usize) -> Random {
+        let mut random = Random(seed.wrapping_mul(0xD134_2543_DE82_EF95).wrapping_add(index as u64));
+        random.next();
+        random
+    }
+
     fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
@@ -160,24 +172,24 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    fn uniform(&mut self, low: f64, high: f64) -> f64 {
+    pub(super) fn uniform(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    fn log_uniform(&mut self, low: f64, high: f64) -> f64 {
+    pub(super) fn log_uniform(&mut self, low: f64, high: f64) -> f64 {
         self.uniform(low.ln(), high.ln()).exp()
     }
 
-    fn chance(&mut self, probability: f64) -> bool {
+    pub(super) fn chance(&mut self, probability: f64) -> bool {
         self.uniform(0.0, 1.0) < probability
     }
 
-    fn below(&mut self, count: u64) -> u64 {
+    pub(super) fn below(&mut self, count: u64) -> u64 {
         self.next() % count
     }
 
     /// Uniform on the sphere (Archimedes).
-    fn direction(&mut self) -> Vector3<f64> {
+    pub(super) fn direction(&mut self) -> Vector3<f64> {
         let (z, angle) = (self.uniform(-1.0, 1.0), self.uniform(0.0, 2.0 * PI));
         let r = (1.0 - z * z).sqrt();
         Vector3::new(r * angle.cos(), r * angle.sin(), z)
