@@ -128,7 +128,7 @@ mod tests {
             let mut blocks: Vec<Matrix3<f64>> = (0..9).map(|k| block(k / 3, k % 3)).collect();
             if symmetric {
                 // below the diagonal nothing counts
-                [3, 6, 7].map(|k| blocks[k].fill(f64::NAN));
+                [3, 6, 7].into_iter().for_each(|k| blocks[k].fill(f64::NAN));
             }
             let mut front = Front { blocks: &mut blocks, size, symmetric };
             let negative = front.eliminate(pivots).expect("no pivot is zero");

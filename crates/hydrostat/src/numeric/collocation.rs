@@ -16,8 +16,12 @@ pub struct Collocation {
     pub end: Vec<f64>,
     /// Coefficient of the shifted Legendre polynomial of highest degree per value at the j-th.
     pub top: Vec<f64>,
-    /// At the quarters, both ends included.
-    pub quarters: [Row; 5],
+    /// At 0, 1/2 and 1.
+    pub start: Row,
+    pub middle: Row,
+    pub finish: Row,
+    /// Weights of the integral from 0 to 1/2, exact to degree points - 1.
+    pub to_middle: Vec<f64>,
     /// 1 / product of the differences to the other points.
     scales: Vec<f64>,
 }
@@ -50,15 +54,24 @@ impl Collocation {
             derivative: Vec::with_capacity(count * count),
             end: Vec::new(),
             top,
-            quarters: [Row::default(); 5],
+            start: Row::default(),
+            middle: Row::default(),
+            finish: Row::default(),
+            to_middle: Vec::new(),
             scales,
         };
         for i in 0..count {
             let row = table.row(table.points[i]);
             table.derivative.extend(&row.slope[..count]);
         }
-        table.quarters = [0.0, 0.25, 0.5, 0.75, 1.0].map(|t| table.row(t));
-        table.end = table.quarters[4].value[..count].to_vec();
+        [table.start, table.middle, table.finish] = [0.0, 0.5, 1.0].map(|t| table.row(t));
+        table.end = table.finish.value[..count].to_vec();
+        let halves = table.points.iter().zip(&table.weights).map(|(t, weight)| (table.row(0.5 * t), 0.5 * weight));
+        let mut to_middle = vec![0.0; count];
+        for (row, weight) in halves {
+            to_middle.iter_mut().zip(row.inner).for_each(|(sum, inner)| *sum += weight * inner);
+        }
+        table.to_middle = to_middle;
         table
     }
 
@@ -120,6 +133,9 @@ mod tests {
             let degree = 2 * count as i32 - 1;
             let integral: f64 = c.points.iter().zip(&c.weights).map(|(t, w)| w * t.powi(degree)).sum();
             assert!((integral - 1.0 / f64::from(degree + 1)).abs() < 1e-15, "{count}");
+            let degree = count as i32 - 1;
+            let half: f64 = c.points.iter().zip(&c.to_middle).map(|(t, w)| w * t.powi(degree)).sum();
+            assert!((half - 0.5_f64.powi(degree + 1) / f64::from(degree + 1)).abs() < 1e-15, "{count}");
             assert!(c.points.windows(2).all(|pair| pair[0] < pair[1]));
         }
     }

@@ -18,6 +18,8 @@ pub(super) struct Chain {
     pub(super) conservative: bool,
     /// Whether no dead moment acts, so that the tangent is symmetric.
     pub(super) symmetric: bool,
+    /// As [`Robot::plates`].
+    pub(super) plates: Vec<f64>,
     cuts: Vec<f64>,
 }
 
@@ -41,6 +43,8 @@ pub(super) struct Span {
     following_moment: Vector3<f64>,
     /// Whether tendons that pass have a weight.
     heavy_tendons: bool,
+    /// Their mass per length and its first moment where these are the same all along: parallel tendons.
+    tendon_mass: Option<(f64, Vector3<f64>)>,
     /// Point loads at the span's end that jump in the unknown wrench.
     pub(super) jump: Jump,
 }
@@ -144,8 +148,19 @@ impl Chain {
                     .tendons
                     .iter()
                     .any(|tendon| tendon.mass_per_length > 0.0 && middle < robot.tendon_end(tendon)),
+                tendon_mass: None,
                 jump: Jump::default(),
             });
+        }
+        for span in self.spans.iter_mut().filter(|span| span.heavy_tendons) {
+            let middle = 0.5 * (span.from + span.to);
+            let parallel = |tendon: &Tendon| {
+                middle > robot.tendon_end(tendon)
+                    || tendon.path.turns == 0.0 && tendon.path.radius == tendon.path.tip_radius
+            };
+            if robot.tendons.iter().all(parallel) {
+                span.tendon_mass = Some(span.tendon_mass(robot, middle));
+            }
         }
         self.apply_loads(robot);
         let flexibility: f64 = self
@@ -172,7 +187,8 @@ impl Chain {
             end += section.length;
             cuts.push(end);
         }
-        cuts.extend(robot.plates());
+        self.plates = robot.plates();
+        cuts.extend(&self.plates);
         cuts.extend(robot.tendons.iter().map(|tendon| robot.tendon_end(tendon)));
         for load in &robot.loads {
             match load.kind {
@@ -371,10 +387,12 @@ impl Span {
         if !self.heavy_tendons {
             return beyond;
         }
-        let tendons: f64 = GAUSS
-            .iter()
-            .map(|(point, weight)| weight * length * self.tendon_mass(robot, s + point * length).0)
-            .sum();
+        let tendons = if let Some((mass, _)) = self.tendon_mass {
+            mass * length
+        } else {
+            let of = |(point, weight): &(f64, f64)| weight * length * self.tendon_mass(robot, s + point * length).0;
+            GAUSS.iter().map(of).sum()
+        };
         beyond + tendons * robot.gravity
     }
 
@@ -385,6 +403,9 @@ impl Span {
 
     /// Mass of the tendons per length of backbone, and its first moment: along their paths at rest.
     fn tendon_mass(&self, robot: &Robot, s: f64) -> (f64, Vector3<f64>) {
+        if let Some(everywhere) = self.tendon_mass {
+            return everywhere;
+        }
         let (mut mass, mut moment) = (0.0, Vector3::zeros());
         for tendon in &robot.tendons {
             let end = robot.tendon_end(tendon);

@@ -56,23 +56,16 @@ fn strain(robot: &Robot, span: &Span, s: f64, v: &Vector3<f64>, u: &Vector3<f64>
     Ok((v.z - 1.0).abs() + section.cross_section(along).bending_strain([bending.x, bending.y]))
 }
 
-/// Tension against the breaking load, slack tendons, and how far tendons leave their channel between guides.
+/// Tension against the breaking load, and slack tendons.
 ///
 /// # Errors
 /// A commanded displacement that would tear its tendon.
-pub(super) fn tendons(
-    robot: &Robot,
-    chain: &Chain,
-    states: &[TendonState],
-    station: impl Fn(f64) -> Station,
-) -> Result<Vec<Check>, Error> {
+pub(super) fn tendons(robot: &Robot, states: &[TendonState]) -> Result<Vec<Check>, Error> {
     let mut checks = Vec::new();
-    if states.is_empty() {
-        return Ok(checks);
+    if !states.is_empty() {
+        checks.extend(tension(robot, states)?);
+        checks.extend(slack(robot, states));
     }
-    checks.extend(tension(robot, states)?);
-    checks.extend(slack(robot, states));
-    checks.extend(guide_spacing(robot, chain, station));
     Ok(checks)
 }
 
@@ -115,42 +108,47 @@ fn slack(robot: &Robot, states: &[TendonState]) -> Option<Check> {
 
 /// Largest distance of a straight tendon from its hole's curve, as a fraction of the hole's radius, that is still a channel's.
 const LARGEST_DEVIATION: f64 = 0.1;
-/// Places at which a gap between plates is looked at.
-const PLACES: [f64; 3] = [0.25, 0.5, 0.75];
 
-fn guide_spacing(robot: &Robot, chain: &Chain, station: impl Fn(f64) -> Station) -> Option<Check> {
-    let plates = robot.plates();
-    let at = |s: f64| station(s.min(chain.length));
-    let mut worst: Option<Check> = None;
-    for pair in plates.windows(2) {
-        let ends = [at(pair[0]), at(pair[1])];
-        let inside = PLACES.map(|t| at(pair[0] + t * (pair[1] - pair[0])));
-        for tendon in robot.tendons.iter().filter(|tendon| tendon.routing == Routing::Guides) {
-            let end = robot.tendon_end(tendon);
-            if pair[1] > end * (1.0 + 1e-9) {
-                continue;
-            }
-            let hole = |station: &Station| {
-                let local = tendon.path.hole((station.s / end).min(1.0), end).0;
-                (station.position + station.rotation * local, local.norm())
-            };
-            let (start, chord) = (hole(&ends[0]).0, hole(&ends[1]).0 - hole(&ends[0]).0);
-            for station in &inside {
-                let (point, radius) = hole(station);
-                let away = (point - start).cross(&chord).norm() / chord.norm();
-                let value = if radius > 0.0 { away / radius } else { 0.0 };
-                if worst.as_ref().is_none_or(|check| value > check.value) {
-                    let ok = value <= LARGEST_DEVIATION;
-                    worst = Some(Check {
-                        name: "guide_spacing",
-                        value,
-                        limit: LARGEST_DEVIATION,
-                        ok,
-                        at: Some(station.s),
-                    });
-                }
-            }
+/// How far tendons leave their channel between guides.
+#[derive(Default)]
+pub(super) struct GuideSpacing {
+    worst: Option<Check>,
+}
+
+impl GuideSpacing {
+    /// Takes a place between two plates into account: the distance of a tendon from its hole's curve, and the hole's radius.
+    pub(super) fn sample(&mut self, s: f64, away: f64, radius: f64) {
+        let value = if radius > 0.0 { away / radius } else { 0.0 };
+        if self.worst.as_ref().is_none_or(|check| value > check.value) {
+            let ok = value <= LARGEST_DEVIATION;
+            self.worst =
+                Some(Check { name: "guide_spacing", value, limit: LARGEST_DEVIATION, ok, at: Some(s) });
         }
     }
-    worst
+
+    /// Looks at the middle of every gap between plates.
+    pub(super) fn of_stations(robot: &Robot, chain: &Chain, station: impl Fn(f64) -> Station) -> Self {
+        let mut spacing = GuideSpacing::default();
+        let at = |s: f64| station(s.min(chain.length));
+        for pair in chain.plates.windows(2) {
+            let places = [pair[0], 0.5 * (pair[0] + pair[1]), pair[1]].map(at);
+            for tendon in robot.tendons.iter().filter(|tendon| tendon.routing == Routing::Guides) {
+                let end = robot.tendon_end(tendon);
+                if pair[1] > end * (1.0 + 1e-9) {
+                    continue;
+                }
+                let hole = |station: &Station| tendon.path.hole((station.s / end).min(1.0), end).0;
+                let [first, middle, last] =
+                    places.each_ref().map(|station| station.position + station.rotation * hole(station));
+                let line = last - first;
+                let away = (middle - first).cross(&line).norm() / line.norm();
+                spacing.sample(places[1].s, away, hole(&places[1]).norm());
+            }
+        }
+        spacing
+    }
+
+    pub(super) fn check(self) -> Option<Check> {
+        self.worst
+    }
 }

@@ -35,7 +35,9 @@ pub(super) fn equilibrium(
         .map(|i| station(chain_position(chain, i, settings.stations), robot, chain, tensions, mesh))
         .collect();
     let mut checks = rod_checks(robot, settings, chain, tensions, mesh, &stations)?;
-    checks.extend(checks::tendons(robot, chain, &tendons, |s| station(s, robot, chain, tensions, mesh))?);
+    checks.extend(checks::tendons(robot, &tendons)?);
+    let station = |s| station(s, robot, chain, tensions, mesh);
+    checks.extend(checks::GuideSpacing::of_stations(robot, chain, station).check());
     checks.extend(stability(judged));
     Ok(Equilibrium {
         tip: Pose {
@@ -84,7 +86,10 @@ pub(super) fn of_energy(
     let mut strain = checks::Strain::default();
     energy.for_each_strain(|span, s, v, u| strain.sample(robot, &chain.spans[span], s, v, u))?;
     let mut checks: Vec<Check> = strain.check().into_iter().collect();
-    checks.extend(checks::tendons(robot, chain, &tendons, |s| energy.station(robot, chain, s))?);
+    checks.extend(checks::tendons(robot, &tendons)?);
+    let mut spacing = checks::GuideSpacing::default();
+    energy.for_each_deviation(robot, |s, away, radius| spacing.sample(s, away, radius));
+    checks.extend(spacing.check());
     checks.extend(stability(&judged));
     Ok(Equilibrium {
         tip: Pose { position, rotation: Rotation3::from_matrix_unchecked(rotation) },

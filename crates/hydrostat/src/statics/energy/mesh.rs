@@ -5,6 +5,7 @@ use crate::model::{Robot, Routing};
 use crate::numeric::collocation::{Collocation, FEWEST, MOST, Row};
 use crate::numeric::larger;
 use crate::solution::Station;
+use super::sweep::Sweep;
 use crate::statics::chain::Chain;
 use crate::statics::section::Pull;
 use nalgebra::{Matrix3, Vector3};
@@ -96,6 +97,8 @@ pub(super) struct Mesh {
     /// At the panels' starts and at the tip (panels + 1).
     pub(super) rotations: Vec<Matrix3<f64>>,
     pub(super) positions: Vec<Vector3<f64>>,
+    /// Position and rotation at the panels' middles, where Newton's method ended.
+    pub(super) middles: Vec<(Vector3<f64>, Matrix3<f64>)>,
 }
 
 /// Tables by number of points.
@@ -183,15 +186,20 @@ impl Mesh {
         self.gaps.clear();
         self.chords.clear();
         let same = 1e-9 * chain.length;
-        for pair in robot.plates().windows(2) {
+        let mut last = (f64::NAN, 0..0);
+        for pair in chain.plates.windows(2) {
             let first = self.chords.len();
             for (tendon, routed) in robot.tendons.iter().enumerate() {
                 let end = robot.tendon_end(routed);
                 if routed.routing == Routing::Guides && pair[1] <= end + same {
-                    let holes = [pair[0], pair[1]].map(|s| routed.path.hole(s / end, end).0);
-                    self.chords.push(Chord { tendon, holes, share: 1.0 });
+                    let hole = |s: f64| routed.path.hole(s / end, end).0;
+                    // where the chord before has ended
+                    let before = self.chords[last.1.clone()].iter().find(|chord| chord.tendon == tendon);
+                    let start = before.filter(|_| last.0 == pair[0]).map_or_else(|| hole(pair[0]), |chord| chord.holes[1]);
+                    self.chords.push(Chord { tendon, holes: [start, hole(pair[1])], share: 1.0 });
                 }
             }
+            last = (pair[1], first..self.chords.len());
             let inside = |panel: &Panel| panel.from > pair[0] - same && panel.from < pair[1] - same;
             let start = self.panels.iter().position(inside).unwrap_or(self.panels.len());
             let count = self.panels[start..].iter().take_while(|panel| inside(panel)).count();
@@ -266,6 +274,18 @@ impl Mesh {
         Sample { position, rotation, v }
     }
 
+    fn rotation_and_v(&self, tables: &Tables, s: f64) -> (Matrix3<f64>, Vector3<f64>) {
+        let k = self.panel_at(s);
+        let panel = &self.panels[k];
+        let t = ((s - panel.from) / panel.length).clamp(0.0, 1.0);
+        if t == 1.0 {
+            let (.., v) = self.interpolated(panel, &tables.of(panel.nodes.len()).finish);
+            return (self.rotations[k + 1], v);
+        }
+        let (rotation, v, _) = self.within(panel, tables.of(panel.nodes.len()), &self.rotations[k], t);
+        (rotation, v)
+    }
+
     /// Tension of a channel tendon at `s` in panel `k` over that at the base.
     pub(super) fn share(&self, tables: &Tables, k: usize, tendon: usize, s: f64) -> f64 {
         let panel = &self.panels[k];
@@ -277,12 +297,6 @@ impl Mesh {
         };
         let row = table.row(t);
         panel.nodes.clone().zip(&row.inner).map(|(node, inner)| inner * of(node)).sum()
-    }
-
-    /// v and u at the place of a row in a panel.
-    pub(super) fn strains(&self, panel: &Panel, row: &Row) -> (Vector3<f64>, Vector3<f64>) {
-        let (turn, rate, v) = self.interpolated(panel, row);
-        (v, RotationVector::new(turn).jacobian() * rate)
     }
 
     /// Rotation and strains at a fraction of a panel.
@@ -299,7 +313,7 @@ impl Mesh {
     }
 
     /// Turn, its rate, and v.
-    fn interpolated(&self, panel: &Panel, row: &Row) -> (Vector3<f64>, Vector3<f64>, Vector3<f64>) {
+    pub(super) fn interpolated(&self, panel: &Panel, row: &Row) -> (Vector3<f64>, Vector3<f64>, Vector3<f64>) {
         let (mut turn, mut rate, mut v) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
         for (j, node) in panel.nodes.clone().enumerate() {
             turn += row.value[j] * self.turn[node];
@@ -313,12 +327,12 @@ impl Mesh {
     pub(super) fn prolong(&mut self, from: &Mesh, tables: &Tables) {
         for k in 0..self.panels.len() {
             let panel = &self.panels[k];
-            let start = if k == 0 { self.rotations[0] } else { from.at(tables, panel.from).rotation };
+            let start = if k == 0 { self.rotations[0] } else { from.rotation_and_v(tables, panel.from).0 };
             let points = &tables.of(panel.nodes.len()).points;
             for (node, point) in panel.nodes.clone().zip(points) {
-                let sample = from.at(tables, panel.from + point * panel.length);
-                self.turn[node] = rotation_vector(&start.tr_mul(&sample.rotation));
-                self.v[node] = sample.v;
+                let (rotation, v) = from.rotation_and_v(tables, panel.from + point * panel.length);
+                self.turn[node] = rotation_vector(&start.tr_mul(&rotation));
+                self.v[node] = v;
             }
         }
     }
@@ -347,6 +361,31 @@ impl Mesh {
     pub(super) fn copy_shape(&mut self, from: &Mesh) {
         self.turn.clone_from(&from.turn);
         self.v.clone_from(&from.v);
+    }
+
+    /// Poses of the panels' middles on the placed shape.
+    pub(super) fn find_middles(&mut self, sweep: &Sweep, tables: &Tables) {
+        self.middles.clear();
+        for (k, panel) in self.panels.iter().enumerate() {
+            let table = tables.of(panel.nodes.len());
+            let (mut turn, mut position) = (Vector3::zeros(), self.positions[k]);
+            for (j, node) in panel.nodes.clone().enumerate() {
+                let shape = &sweep.shapes[node];
+                turn += table.middle.value[j] * self.turn[node];
+                position += (panel.length * table.to_middle[j]) * (shape.rotation * shape.v);
+            }
+            self.middles.push((position, self.rotations[k] * RotationVector::new(turn).rotation()));
+        }
+    }
+
+    /// Largest coefficient of highest degree of a turn, times the panel's part of the length: what a higher degree might add.
+    pub(super) fn tail(&self, tables: &Tables) -> f64 {
+        let of = |panel: &Panel| {
+            let top = &tables.of(panel.nodes.len()).top;
+            let turns = top.iter().zip(&self.turn[panel.nodes.clone()]);
+            turns.map(|(top, turn)| *top * turn).sum::<Vector3<f64>>().norm() * panel.length
+        };
+        self.panels.iter().map(of).fold(0.0, larger)
     }
 
     /// Largest turn of a panel.

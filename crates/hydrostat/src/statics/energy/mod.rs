@@ -10,6 +10,7 @@ mod friction;
 mod mesh;
 mod newton;
 mod node;
+mod result;
 mod search;
 mod sweep;
 mod tendons;
@@ -22,6 +23,7 @@ pub(super) use search::{Found, Start, find};
 
 use mesh::{Layout, Mesh, Tables};
 use newton::Linear;
+use search::Seen;
 use sweep::Sweep;
 use tendons::Drive;
 
@@ -35,6 +37,7 @@ pub(super) struct Energy {
     /// The coarse mesh's shape at the last load step, to go back to.
     reached: Mesh,
     memory: Memory,
+    seen: Seen,
 }
 
 /// Scratch of one linearisation, and the tendons' tensions.

@@ -21,8 +21,6 @@ pub(super) struct Linear {
     pub(super) tensions: Vec<f64>,
     /// Length that each held tendon gives per tension, by the robot and by itself.
     pub(super) compliances: Vec<f64>,
-    /// How fast the energy falls along the step.
-    pub(super) slope: f64,
 }
 
 /// What one linearisation found.
@@ -42,6 +40,7 @@ const SMALL: f64 = 1e-2;
 const MAX_ITERATIONS: usize = 50;
 /// Of two iterations, how much faster than linear: correction_(k+1) < QUADRATIC correction_k^2.
 const QUADRATIC: f64 = 10.0;
+const QUADRATIC_AT_FIRST: f64 = 100.0;
 /// Size of the corrections that rounding may cause, and of the residual that it leaves.
 const ROUNDING_CORRECTION: f64 = 1e-9;
 const ROUNDING_RESIDUAL: f64 = 1e-8;
@@ -50,7 +49,11 @@ const ROUNDING_RESIDUAL: f64 = 1e-8;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Converged {
     pub(super) residual: f64,
+    /// Directions in which the energy fell at the last linearisation, and the size of the step since then.
     pub(super) negative: usize,
+    pub(super) correction: f64,
+    /// Of the first two corrections; 0 where one was enough.
+    pub(super) contraction: f64,
 }
 
 /// Why an iteration ended without converging.
@@ -80,22 +83,63 @@ impl Equations<'_> {
 
     /// Linearises at the mesh's shape and solves for the step; `shift` makes the elastic part of the Hessian larger.
     pub(super) fn linearise(&self, memory: &mut Memory, mesh: &mut Mesh, shift: f64) -> Linearised {
+        let residual = self.evaluate(memory, mesh);
+        let negative = memory.sweep.factor(&self.problem(&memory.drive.tensions), mesh, shift);
+        self.step(memory, mesh, residual, negative)
+    }
+
+    /// Places the shape and finds the gradient there. Returns its size.
+    fn evaluate(&self, memory: &mut Memory, mesh: &mut Mesh) -> f64 {
         let Memory { sweep, linear, drive } = memory;
         drive.apply(self.robot, self.factor);
+        self.place(sweep, drive, mesh);
+        sweep.gradient(&self.problem(&drive.tensions), mesh, &mut linear.gradient)
+    }
+
+    fn place(&self, sweep: &mut Sweep, drive: &mut Drive, mesh: &mut Mesh) {
         sweep.place(mesh, self.tables);
         tendons::measure(mesh, sweep, &mut drive.lengths, self.robot.tendons.len());
-        let problem = self.problem(&drive.tensions);
-        let residual = sweep.gradient(&problem, mesh, &mut linear.gradient);
-        let negative = sweep.factor(&problem, mesh, shift);
+    }
+
+    /// What is left of the equations at the mesh's shape.
+    pub(super) fn residual(&self, memory: &mut Memory, mesh: &mut Mesh) -> f64 {
+        let mut residual = self.evaluate(memory, mesh);
+        let drive = &memory.drive;
+        for (&tendon, &taut) in drive.held.iter().zip(&drive.taut) {
+            let excess = drive.excess(self.robot, tendon, self.factor);
+            residual = larger(residual, if taut { excess.abs() } else { excess.max(0.0) } / self.chain.length);
+        }
+        residual
+    }
+
+    /// A step of Newton's method with the factors of an earlier linearisation, taken. Returns its size, or None where it led
+    /// nowhere.
+    pub(super) fn approach(&self, memory: &mut Memory, mesh: &mut Mesh) -> Option<f64> {
+        if memory.sweep.models.len() != mesh.data.len() {
+            return None;
+        }
+        let residual = self.evaluate(memory, mesh);
+        let Linearised { correction, .. } = self.step(memory, mesh, residual, None);
+        self.correct(memory, mesh);
+        correction.is_finite().then_some(correction)
+    }
+
+    /// Newton's step by the factors at hand.
+    fn step(&self, memory: &mut Memory, mesh: &Mesh, residual: f64, negative: Option<usize>) -> Linearised {
+        let Memory { sweep, linear, drive } = memory;
         linear.gradient.negate();
         sweep.solve(mesh, self.tables, &linear.gradient, &mut linear.step);
         let held = self.hold(sweep, linear, drive, mesh);
-        linear.slope = linear.gradient.dot(sweep, mesh, self.tables, &linear.step);
         Linearised {
             correction: larger(linear.step.size, held.change),
             residual: larger(residual, held.residual),
             negative: negative.map(|negative| negative.saturating_sub(held.negative)),
         }
+    }
+
+    /// How fast the energy falls along the last step.
+    pub(super) fn slope(&self, memory: &Memory, mesh: &Mesh) -> f64 {
+        memory.linear.gradient.dot(&memory.sweep, mesh, self.tables, &memory.linear.step)
     }
 
     /// Corrects the step so that taut tendons keep their lengths, and finds their tensions (Schur complement, theory (36)).
@@ -166,51 +210,56 @@ impl Equations<'_> {
         }
     }
 
-    /// Newton's method until the error it leaves is below `target` (radians and like units).
+    /// Newton's method until the error it leaves is below `target` (radians and like units); `before` is the size of a step that led
+    /// here.
     pub(super) fn newton(
         &self,
         memory: &mut Memory,
         mesh: &mut Mesh,
         target: f64,
+        before: Option<f64>,
         iterations: &mut usize,
     ) -> Result<Converged, Stuck> {
-        let (mut last, mut last_residual) = (f64::INFINITY, f64::INFINITY);
+        let (mut last, mut last_residual) = (before.unwrap_or(f64::INFINITY), f64::INFINITY);
+        let mut first_contraction: Option<f64> = None;
         for _ in 0..MAX_ITERATIONS {
             let now = self.linearise(memory, mesh, 0.0);
             *iterations += 1;
-            let contraction = if now.correction > 0.0 { now.correction / last } else { 0.0 };
-            let rounding = now.correction <= ROUNDING_CORRECTION && contraction > CONTRACTION;
-            let first = last == f64::INFINITY && now.correction.is_finite();
+            let Linearised { correction, residual, .. } = now;
+            let contraction = if correction > 0.0 { correction / last } else { 0.0 };
+            let rounding = correction <= ROUNDING_CORRECTION && contraction > CONTRACTION;
+            let first = last == f64::INFINITY && correction.is_finite();
             // a small step that brings the equations closer leads to no other branch
-            let closer = now.correction < SMALL && now.residual <= CONTRACTION * last_residual;
+            let closer = correction < SMALL && residual <= CONTRACTION * last_residual;
             let Some(negative) =
                 now.negative.filter(|_| first || rounding || closer || contraction <= CONTRACTION)
             else {
-                return Err(Stuck { correction: now.correction });
+                return Err(Stuck { correction });
             };
-            if now.correction <= target && now.residual <= target.max(ROUNDING_RESIDUAL) || rounding {
-                if now.residual > ROUNDING_RESIDUAL.max(target) {
-                    return Err(Stuck { correction: now.correction });
-                }
-                self.correct(memory, mesh);
-                memory.sweep.place(mesh, self.tables);
-                tendons::measure(mesh, &memory.sweep, &mut memory.drive.lengths, self.robot.tendons.len());
-                return Ok(Converged { residual: now.residual, negative });
-            }
             self.correct(memory, mesh);
-            let ahead =
-                now.correction * contraction.min(QUADRATIC * now.correction).max(1e-3 * now.correction);
-            if !first && ahead <= target {
-                // the last step is taken, and the next would be too small to matter
-                memory.sweep.place(mesh, self.tables);
-                tendons::measure(mesh, &memory.sweep, &mut memory.drive.lengths, self.robot.tendons.len());
-                if memory.drive.longest_slack(self.robot, self.factor) > ROUNDING_RESIDUAL * self.chain.length
-                {
-                    return Err(Stuck { correction: now.correction });
-                }
-                return Ok(Converged { residual: ahead, negative });
+            if !first {
+                first_contraction = first_contraction.or(Some(contraction));
             }
-            (last, last_residual) = (now.correction, now.residual);
+            // the step is taken; the next one would be too small to matter
+            let ahead = if first {
+                QUADRATIC_AT_FIRST * correction * correction
+            } else {
+                correction * contraction.min(QUADRATIC * correction).max(1e-3 * correction)
+            };
+            let closed = correction <= target && residual <= target.max(ROUNDING_RESIDUAL) || rounding;
+            if closed || ahead <= target {
+                if closed && residual > ROUNDING_RESIDUAL.max(target) {
+                    return Err(Stuck { correction });
+                }
+                self.place(&mut memory.sweep, &mut memory.drive, mesh);
+                if memory.drive.longest_slack(self.robot, self.factor) > ROUNDING_RESIDUAL * self.chain.length {
+                    return Err(Stuck { correction });
+                }
+                mesh.find_middles(&memory.sweep, self.tables);
+                let contraction = first_contraction.unwrap_or(0.0);
+                return Ok(Converged { residual: if closed { residual } else { ahead }, negative, correction, contraction });
+            }
+            (last, last_residual) = (correction, residual);
         }
         Err(Stuck { correction: last })
     }

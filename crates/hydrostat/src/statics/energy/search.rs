@@ -3,15 +3,12 @@
 use super::mesh::Layout;
 use super::newton::{Converged, Equations, Stuck};
 use super::{Energy, Memory, friction, tendons};
-use crate::model::Routing;
 use crate::numeric::collocation::MOST;
 use crate::numeric::larger;
-use crate::solution::{Station, TendonState};
+use crate::solution::Station;
 use crate::statics::Settings;
-use crate::statics::chain::{Chain, POINTS, Span, Step};
-use crate::statics::rod::{self, Node};
+use crate::statics::chain::Chain;
 use crate::{Error, Robot};
-use nalgebra::{Matrix3, Vector3};
 
 /// What the search found, beside the shape in `Energy::fine`.
 #[derive(Clone, Debug)]
@@ -27,9 +24,10 @@ pub(in crate::statics) struct Found {
 
 /// Largest turn that a panel is laid out for, and with which it is cut in two, rad.
 const FIRST_TURN: f64 = 0.8;
-const LARGEST_TURN: f64 = 1.3;
-/// Points of the first mesh; more where panels turn much.
-const FIRST_POINTS: usize = 3;
+pub(super) const LARGEST_TURN: f64 = 1.3;
+/// Points of the first mesh, one more for tolerances below the second number; two less where panels turn little.
+const FIRST_POINTS: usize = 4;
+const FINE_TOLERANCE: f64 = 1e-7;
 /// Factor on the error estimate, for what two or three solutions cannot tell.
 const SAFETY: f64 = 3.0;
 /// What is assumed of the reduction by one more point before it has been seen, and the largest that is believed.
@@ -39,8 +37,11 @@ const SLOWEST_REDUCTION: f64 = 2.0;
 /// Length, in parts of the whole, that an error of the part of a tension that friction leaves counts for.
 const SHARES: f64 = 0.01;
 const MOST_NODES: usize = 20_000;
-/// A load step may turn no cross-section by more (radians).
+/// A load step may turn no cross-section by more (radians), or by the second where Newton's corrections shrink at least by
+/// the third at once.
 const LARGEST_LOAD_TURN: f64 = 0.7;
+const LARGEST_QUICK_TURN: f64 = 1.6;
+const QUICK: f64 = 0.3;
 /// Load steps are measured in parts of the load that they lead to. A first unstable shape is accepted only where they are this small.
 const UNSTABLE_BELOW: f64 = 1.0 / 4096.0;
 const SMALLEST_LOAD_STEP: f64 = 1.0 / 65_536.0;
@@ -56,10 +57,22 @@ const MOST_BISECTIONS: usize = 6;
 /// Turns of Newton's method and friction, and a change of the shares that has not become small enough.
 const MOST_TURNS: usize = 200;
 const SLOW: f64 = 0.7;
-/// Stations are integrated in steps of at most this angle, of shape and load, rad.
-const STATION_ANGLE: f64 = 0.3;
 /// Accuracy on the way to the full load: enough to start the next step.
-const ON_THE_WAY: f64 = 1e-7;
+const ON_THE_WAY: f64 = 1e-5;
+/// A shape this far from the one at which the Hessian was last eliminated has the same stability, rad.
+const SAME_STABILITY: f64 = 1e-3;
+/// A change that Newton's method may make with the factors of the last solution, rad.
+const NEAR: f64 = 0.1;
+
+/// Highest coefficients below are rounding.
+const SMALLEST_TAIL: f64 = 1e-13;
+
+/// What the last refinement found: the highest coefficient, and the estimated error, m.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Seen {
+    tail: f64,
+    error_estimate: f64,
+}
 
 /// Where a search begins.
 #[derive(Clone, Copy)]
@@ -102,49 +115,50 @@ impl Search<'_> {
         let tolerance = self.settings.tolerance;
         let mut unstable_from = None;
         match start {
-            Start::Shape(shape) => self.start_from(shape)?,
-            Start::Last if self.continue_last() => {}
-            Start::Last | Start::Rest => {
-                self.first_layout();
-                self.lay();
-                unstable_from = self.follow_load()?;
+            Start::Shape(shape) => {
+                self.start_from(shape)?;
+                self.newton(1.0, tolerance).map_err(|stuck| self.not_converged(1.0, &stuck))?;
             }
+            Start::Last => match self.continue_last() {
+                Some((end, estimate)) if estimate <= tolerance * self.chain.length => {
+                    return self.judge(end, estimate, None);
+                }
+                Some(_) if self.begin_anew_here().is_some() => {}
+                _ => unstable_from = self.start_from_rest()?,
+            },
+            Start::Rest => unstable_from = self.start_from_rest()?,
         }
-        self.newton(1.0, 0.1 * tolerance).map_err(|stuck| self.not_converged(1.0, &stuck))?;
         let mut last_difference: Option<f64> = None;
         let mut restarts = 0;
-        // the angle that a tendon turns by converges less fast than the shape
-        let rubs = self.rubs();
-        let mut reduction = if rubs { SLOWEST_REDUCTION } else { UNSEEN_REDUCTION };
         loop {
+            let tail = self.energy.coarse.tail(&self.energy.tables);
             let added = self.refine();
             let end = match self.newton(1.0, 0.1 * tolerance) {
                 Ok(end) => end,
                 Err(_) if restarts < MOST_RESTARTS && matches!(start, Start::Rest) => {
                     // the panels were too long to believe where they led
                     restarts += 1;
+                    let points = self.first_points();
                     self.energy.layouts.iter_mut().for_each(|layout| {
-                        *layout = Layout { parts: 2 * layout.parts, points: FIRST_POINTS };
+                        *layout = Layout { parts: 2 * layout.parts, points };
                     });
                     self.lay();
                     unstable_from = self.follow_load()?;
                     last_difference = None;
-                    self.newton(1.0, 0.1 * tolerance).map_err(|stuck| self.not_converged(1.0, &stuck))?;
                     continue;
                 }
                 Err(stuck) => return Err(self.not_converged(1.0, &stuck)),
             };
             let difference = self.difference();
-            if let Some(last) = last_difference.filter(|_| added) {
-                let largest = if rubs { SLOWEST_REDUCTION } else { LARGEST_REDUCTION };
-                reduction = (last / difference).clamp(SLOWEST_REDUCTION, largest);
-            }
+            let finer = self.energy.coarse.tail(&self.energy.tables);
+            let reduction = self.reduction(added, (tail, finer), last_difference.map(|last| last / difference));
             last_difference = added.then_some(difference);
             let nodes = self.energy.coarse.data.len();
             let rounding =
                 (end.residual.min(1e-3 * tolerance) + f64::EPSILON * nodes as f64) * self.chain.length;
             let error_estimate = SAFETY * difference / (reduction - 1.0) + rounding;
             if error_estimate <= tolerance * self.chain.length {
+                self.energy.seen = Seen { tail: finer, error_estimate };
                 return self.judge(end, error_estimate, unstable_from);
             }
             if nodes > MOST_NODES || !error_estimate.is_finite() {
@@ -157,19 +171,71 @@ impl Search<'_> {
         }
     }
 
-    /// Newton's method at the full load from the last solution. Returns whether it converged.
-    fn continue_last(&mut self) -> bool {
-        if self.energy.layouts.len() != self.chain.spans.len() || self.energy.coarse.panels.is_empty() {
-            return false;
+    /// By how much the last refinement reduced the error: as two differences tell, or as the highest coefficients on both meshes.
+    fn reduction(&self, added: bool, tails: (f64, f64), seen: Option<f64>) -> f64 {
+        if self.rubs() {
+            // the angle that a tendon turns by converges less fast than the shape
+            return SLOWEST_REDUCTION;
         }
-        let (before, drive) = (self.energy.coarse.clone(), self.energy.memory.drive.clone());
+        let told = seen.filter(|_| added).or_else(|| added.then_some(tails.0 / tails.1));
+        told.filter(|told| told.is_finite()).unwrap_or(UNSEEN_REDUCTION).clamp(SLOWEST_REDUCTION, LARGEST_REDUCTION)
+    }
+
+    fn start_from_rest(&mut self) -> Result<Option<f64>, Error> {
+        self.first_layout();
         self.lay();
-        if before.data.len() != self.energy.coarse.data.len() || drive.held != self.energy.memory.drive.held {
-            return false;
+        self.follow_load()
+    }
+
+    /// Newton's method at the full load from the last solution, on its mesh. Returns the estimated error, too, which grows with the
+    /// highest coefficient; None where it did not converge.
+    fn continue_last(&mut self) -> Option<(Converged, f64)> {
+        let target = 0.1 * self.settings.tolerance;
+        let Energy { layouts, coarse, fine, memory, .. } = &mut *self.energy;
+        if layouts.len() != self.chain.spans.len() || coarse.panels.is_empty() {
+            return None;
         }
-        self.energy.coarse.copy_shape(&before);
-        self.energy.memory.drive.tensions = drive.tensions;
-        self.newton(1.0, ON_THE_WAY).is_ok()
+        std::mem::swap(coarse, fine);
+        let held = memory.drive.held.clone();
+        let (mut tensions, mut taut) = Default::default();
+        std::mem::swap(&mut memory.drive.tensions, &mut tensions);
+        std::mem::swap(&mut memory.drive.taut, &mut taut);
+        self.lay();
+        let rubs = self.rubs();
+        let Energy { tables, coarse, fine, memory, .. } = &mut *self.energy;
+        let same = fine.data.len() == coarse.data.len()
+            && fine.panels.len() == coarse.panels.len()
+            && fine.gaps.len() == coarse.gaps.len()
+            && held == memory.drive.held
+            && tensions.len() == memory.drive.tensions.len();
+        if !same {
+            return None;
+        }
+        coarse.copy_shape(fine);
+        memory.drive.tensions = tensions;
+        memory.drive.taut = taut;
+        if rubs {
+            return self.newton(1.0, target).ok().map(|end| (end, f64::INFINITY));
+        }
+        let equations = Equations { robot: self.robot, chain: self.chain, tables, factor: 1.0 };
+        let near = equations.approach(memory, coarse).filter(|correction| *correction <= NEAR);
+        self.iterations += 1;
+        if near.is_none() {
+            self.energy.coarse.copy_shape(&self.energy.fine);
+        }
+        let Energy { tables, coarse, memory, .. } = &mut *self.energy;
+        let equations = Equations { robot: self.robot, chain: self.chain, tables, factor: 1.0 };
+        let end = equations.newton(memory, coarse, target, near, &mut self.iterations).ok()?;
+        let Seen { tail, error_estimate } = self.energy.seen;
+        let growth = (self.energy.coarse.tail(&self.energy.tables) / tail.max(SMALLEST_TAIL)).max(1.0);
+        Some((end, error_estimate * growth * growth))
+    }
+
+    /// From the shape that was reached on a fine mesh to the same on the first one, to be refined again.
+    fn begin_anew_here(&mut self) -> Option<Converged> {
+        self.first_layout();
+        self.relay();
+        self.newton(1.0, self.settings.tolerance).ok()
     }
 
     /// The equilibrium near a given shape: by Newton's method, or downhill from it.
@@ -202,13 +268,18 @@ impl Search<'_> {
         })
     }
 
+    fn first_points(&self) -> usize {
+        FIRST_POINTS + usize::from(self.settings.tolerance < FINE_TOLERANCE)
+    }
+
     /// Panels for the first mesh.
     fn first_layout(&mut self) {
         self.energy.layouts.clear();
+        let first_points = self.first_points();
         for span in &self.chain.spans {
             let turn = span.largest_angle(self.robot) * (span.to - span.from);
             let parts = (turn / FIRST_TURN - 1e-9).ceil().clamp(1.0, 1e4) as usize;
-            let points = if turn < 0.1 * FIRST_TURN { FIRST_POINTS - 1 } else { FIRST_POINTS };
+            let points = if turn < 0.1 * FIRST_TURN { first_points - 2 } else { first_points };
             self.energy.layouts.push(Layout { parts, points });
         }
     }
@@ -229,7 +300,7 @@ impl Search<'_> {
         for _ in 0..MOST_TURNS {
             let Energy { tables, coarse, memory, .. } = &mut *self.energy;
             let equations = Equations { robot: self.robot, chain: self.chain, tables, factor };
-            let converged = equations.newton(memory, coarse, target, &mut self.iterations)?;
+            let converged = equations.newton(memory, coarse, target, None, &mut self.iterations)?;
             if !rubs {
                 return Ok(converged);
             }
@@ -263,9 +334,12 @@ impl Search<'_> {
         while reached < 1.0 {
             let factor = (reached + step).min(1.0);
             let part = (factor - reached) / factor;
-            let outcome = self.newton(factor, ON_THE_WAY);
+            let target = if factor < 1.0 { ON_THE_WAY } else { ON_THE_WAY.min(self.settings.tolerance) };
+            let outcome = self.newton(factor, target);
             let work = (self.iterations - begun) * self.energy.coarse.data.len();
-            let strayed = outcome.is_ok() && self.turned() > LARGEST_LOAD_TURN;
+            let quick = matches!(outcome, Ok(end) if end.contraction <= QUICK);
+            let strayed = outcome.is_ok()
+                && self.turned() > if quick { LARGEST_QUICK_TURN } else { LARGEST_LOAD_TURN };
             let unstable = matches!(outcome, Ok(end) if end.negative > 0) && unstable_from.is_none();
             if outcome.is_ok() && !strayed && (!unstable || part < UNSTABLE_BELOW) {
                 reached = factor;
@@ -376,14 +450,16 @@ impl Search<'_> {
     fn difference(&self) -> f64 {
         let Energy { tables, coarse, fine, .. } = &*self.energy;
         let mut largest = 0.0;
+        let same = coarse.panels.len() == fine.panels.len();
         for (k, panel) in coarse.panels.iter().enumerate() {
-            for t in [0.25, 0.5, 0.75] {
-                let s = panel.from + t * panel.length;
-                let apart = coarse.at(tables, s).position - fine.at(tables, s).position;
-                largest = larger(largest, apart.norm());
+            let before = if same {
+                [fine.middles[k].0, fine.positions[k + 1]]
+            } else {
+                [0.5, 1.0].map(|t| fine.at(tables, panel.from + t * panel.length).position)
+            };
+            for (position, before) in [coarse.middles[k].0, coarse.positions[k + 1]].iter().zip(before) {
+                largest = larger(largest, (position - before).norm());
             }
-            let end = fine.at(tables, panel.from + panel.length).position;
-            largest = larger(largest, (coarse.positions[k + 1] - end).norm());
         }
         if self.rubs() { larger(largest, self.difference_of_shares()) } else { largest }
     }
@@ -412,16 +488,21 @@ impl Search<'_> {
         if let Some(folded) = self.folded(1.0) {
             return Err(folded);
         }
-        // at the last shape, not at the one before the last step
         let Energy { tables, coarse, memory, .. } = &mut *self.energy;
         let equations = Equations { robot: self.robot, chain: self.chain, tables, factor: 1.0 };
-        let taut = memory.drive.taut.clone();
-        let last = equations.linearise(memory, coarse, 0.0);
-        memory.drive.taut = taut;
-        let negative = last.negative.unwrap_or(end.negative);
+        let mut negative = end.negative;
+        let residual = if self.settings.eigenvalue || end.correction > SAME_STABILITY {
+            let taut = memory.drive.taut.clone();
+            let last = equations.linearise(memory, coarse, 0.0);
+            memory.drive.taut = taut;
+            negative = last.negative.unwrap_or(negative);
+            last.residual
+        } else {
+            equations.residual(memory, coarse)
+        };
         let smallest_eigenvalue = self.settings.eigenvalue.then(|| self.smallest_eigenvalue());
         Ok(Found {
-            residual: last.residual,
+            residual,
             error_estimate,
             negative,
             smallest_eigenvalue,
@@ -487,103 +568,5 @@ impl Search<'_> {
             stuck.correction
         ))
         .hint("the robot probably snaps or buckles there: lower the loads, or stiffen or shorten the robot")
-    }
-}
-
-impl Energy {
-    /// The tendons at the solution.
-    pub(in crate::statics) fn tendon_states(&self, robot: &Robot) -> Vec<TendonState> {
-        let drive = &self.memory.drive;
-        let state = |(i, tendon): (usize, &crate::model::Tendon)| TendonState {
-            name: tendon.name.clone(),
-            tension: drive.tensions[i],
-            tip_tension: drive.tensions[i] * drive.end_shares.get(i).unwrap_or(&1.0),
-            displacement: drive.home[i] - drive.lengths[i] + drive.compliance(robot, i) * drive.tensions[i],
-            length: drive.lengths[i],
-            slack: drive.held.iter().zip(&drive.taut).any(|(held, taut)| *held == i && !taut),
-        };
-        robot.tendons.iter().enumerate().map(state).collect()
-    }
-
-    /// The state at `s`, on the base side of a jump: integrated back from the end of its panel, where the solution is most
-    /// accurate.
-    pub(in crate::statics) fn station(&self, robot: &Robot, chain: &Chain, s: f64) -> Station {
-        let Energy { coarse, memory, .. } = self;
-        let k = coarse.panel_at(s);
-        let panel = &coarse.panels[k];
-        let span = &chain.spans[panel.span];
-        let chords = memory.sweep.chord_force(panel);
-        let (end, rest) = (panel.from + panel.length, (panel.from + panel.length - s).max(0.0));
-        let (_, bend) = robot.sections[span.section].stiffness(span.fraction(robot, s));
-        let force = (span.dead_force(robot, s) + chords).norm();
-        let per_length = (force / bend.min()).sqrt().max(span.largest_angle(robot));
-        let angle = rest * per_length.max(LARGEST_TURN / panel.length);
-        let parts = (angle / STATION_ANGLE).ceil().max(1.0);
-        let mut node = Node {
-            rotation: coarse.rotations[k + 1],
-            moment: coarse.rotations[k + 1] * memory.sweep.end_moment(k),
-            force: Vector3::zeros(),
-        };
-        let mut position = coarse.positions[k + 1];
-        let mut step = self.step_with_chords(robot, span, k, end, -rest / parts);
-        for part in 0..parts as usize {
-            if part > 0 {
-                step = self.step_with_chords(robot, span, k, end - part as f64 * rest / parts, -rest / parts);
-            }
-            let (next, displacement) = rod::integrate(&step, 1.0, &node);
-            (node, position) = (next, position + displacement);
-        }
-        let section = rod::section_law(&step, rod::END, 1.0, &node);
-        Station {
-            s,
-            position,
-            rotation: node.rotation,
-            v: section.v,
-            u: section.u,
-            force: node.rotation * section.backbone_force(&step),
-            moment: node.rotation * section.backbone_moment(&step),
-        }
-    }
-
-    /// A step within panel `k`, under the chords beside it and the tensions that friction leaves.
-    fn step_with_chords(&self, robot: &Robot, span: &Span, k: usize, from: f64, length: f64) -> Step {
-        let Energy { tables, coarse, memory, .. } = self;
-        let mut step = span.step(robot, &memory.drive.tensions, from, length);
-        let chords = memory.sweep.chord_force(&coarse.panels[k]);
-        step.stages.iter_mut().for_each(|stage| stage.force += chords);
-        if !memory.drive.mean_shares.is_empty() {
-            let middle = 0.5 * (span.from + span.to);
-            let passing = (0..robot.tendons.len()).filter(|&i| {
-                let tendon = &robot.tendons[i];
-                tendon.routing == Routing::Channel && middle < robot.tendon_end(tendon)
-            });
-            for (points, i) in step.pulls.iter_mut().zip(passing) {
-                for (pull, c) in points.iter_mut().zip(POINTS) {
-                    pull.tension *= coarse.share(tables, k, i, from + c * length);
-                }
-            }
-        }
-        step
-    }
-
-    /// Span, arc length, v and u at several places of every panel, both ends included.
-    pub(in crate::statics) fn for_each_strain(
-        &self,
-        mut visit: impl FnMut(usize, f64, &Vector3<f64>, &Vector3<f64>) -> Result<(), Error>,
-    ) -> Result<(), Error> {
-        for panel in &self.coarse.panels {
-            let table = self.tables.of(panel.nodes.len());
-            for (i, row) in table.quarters.iter().enumerate() {
-                let (v, u) = self.coarse.strains(panel, row);
-                visit(panel.span, panel.from + 0.25 * i as f64 * panel.length, &v, &u)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// Pose of the tip.
-    pub(in crate::statics) fn tip(&self) -> (Vector3<f64>, Matrix3<f64>) {
-        let last = self.coarse.panels.len();
-        (self.coarse.positions[last], self.coarse.rotations[last])
     }
 }

@@ -48,7 +48,7 @@ impl Equations<'_> {
                 return Ok(());
             }
             // half the slope is what a quadratic energy falls by
-            let predicted = 0.5 * memory.linear.slope;
+            let predicted = 0.5 * self.slope(memory, mesh);
             let start = (mesh.turn.clone(), mesh.v.clone());
             self.correct(memory, mesh);
             let fallen = before - self.merit(memory, mesh);
