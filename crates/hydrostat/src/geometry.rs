@@ -70,46 +70,56 @@ pub struct RotationVector {
     beta: [f64; 3],
 }
 
-/// Terms of the series of `alpha` and `beta`; below `SERIES_UP_TO` the next is under 1e-17.
+/// Terms of the series of `alpha` and `beta`: up to each square of the angle the next is under 1e-17.
 const TERMS: usize = 11;
 const SERIES_UP_TO: f64 = 3.0;
+const FEW_TERMS: usize = 6;
+const FEW_UP_TO: f64 = 0.09;
 
-/// Coefficients of sum (-x)^k / (2k + first)! and of its first two derivatives.
-const fn series(first: usize) -> [[f64; TERMS]; 3] {
-    let mut table = [[0.0; TERMS]; 3];
-    let (mut k, mut coefficient, mut factor) = (0, 1.0, 1);
-    while factor < first {
-        factor += 1;
-        coefficient /= factor as f64;
-    }
-    while k < TERMS {
-        table[0][k] = coefficient;
-        if k >= 1 {
-            table[1][k - 1] = k as f64 * coefficient;
+/// Coefficients of sum (-x)^k / (2k + 2)! and of its first two derivatives, then the same with (2k + 3)!; highest power last.
+const SERIES: [[f64; 6]; TERMS] = {
+    let mut table = [[0.0; 6]; TERMS];
+    let mut which = 0;
+    while which < 2 {
+        let first = 2 + which;
+        let (mut k, mut coefficient, mut factor) = (0, 1.0, 1);
+        while factor < first {
+            factor += 1;
+            coefficient /= factor as f64;
         }
-        if k >= 2 {
-            table[2][k - 2] = (k * (k - 1)) as f64 * coefficient;
+        while k < TERMS {
+            table[k][3 * which] = coefficient;
+            if k >= 1 {
+                table[k - 1][3 * which + 1] = k as f64 * coefficient;
+            }
+            if k >= 2 {
+                table[k - 2][3 * which + 2] = (k * (k - 1)) as f64 * coefficient;
+            }
+            k += 1;
+            coefficient /= -(((2 * k + first) * (2 * k + first - 1)) as f64);
         }
-        k += 1;
-        coefficient /= -(((2 * k + first) * (2 * k + first - 1)) as f64);
+        which += 1;
     }
     table
-}
+};
 
-const ALPHA: [[f64; TERMS]; 3] = series(2);
-const BETA: [[f64; TERMS]; 3] = series(3);
-
-fn polynomial(coefficients: &[f64; TERMS], x: f64) -> f64 {
-    coefficients.iter().rev().fold(0.0, |sum, c| sum * x + c)
+fn series(terms: &[[f64; 6]], x: f64) -> [f64; 6] {
+    let mut sums = [0.0; 6];
+    for row in terms.iter().rev() {
+        for (sum, c) in sums.iter_mut().zip(row) {
+            *sum = *sum * x + c;
+        }
+    }
+    sums
 }
 
 impl RotationVector {
     pub fn new(w: Vector3<f64>) -> Self {
         let x = w.norm_squared();
         if x < SERIES_UP_TO {
-            let alpha = [0, 1, 2].map(|i| polynomial(&ALPHA[i], x));
-            let beta = [0, 1, 2].map(|i| polynomial(&BETA[i], x));
-            return RotationVector { w, sinc: 1.0 - x * beta[0], alpha, beta };
+            let [a, a1, a2, b, b1, b2] =
+                if x < FEW_UP_TO { series(&SERIES[..FEW_TERMS], x) } else { series(&SERIES, x) };
+            return RotationVector { w, sinc: 1.0 - x * b, alpha: [a, a1, a2], beta: [b, b1, b2] };
         }
         let angle = x.sqrt();
         let sinc = angle.sin() / angle;
@@ -171,14 +181,20 @@ impl RotationVector {
     fn differential(&self, sign: f64, a: &Vector3<f64>) -> Matrix3<f64> {
         let (w, [alpha, alpha1, _], [beta, beta1, _]) = (&self.w, self.alpha, self.beta);
         let across = w.cross(a);
-        let wa = w.dot(a);
-        let along_w = 2.0 * (sign * alpha1 * across + beta1 * w.cross(&across));
-        let mut d = hat(a) * (-sign * alpha) + beta * (w * a.transpose() - 2.0 * a * w.transpose());
-        d += along_w * w.transpose();
-        d.m11 += beta * wa;
-        d.m22 += beta * wa;
-        d.m33 += beta * wa;
-        d
+        let along_w = (2.0 * sign * alpha1) * across + (2.0 * beta1) * w.cross(&across) - (2.0 * beta) * a;
+        let (bw, d, h) = (beta * w, beta * w.dot(a), (-sign * alpha) * a);
+        let entry = |i: usize, j: usize| bw[i] * a[j] + along_w[i] * w[j];
+        Matrix3::new(
+            entry(0, 0) + d,
+            entry(0, 1) - h.z,
+            entry(0, 2) + h.y,
+            entry(1, 0) + h.z,
+            entry(1, 1) + d,
+            entry(1, 2) - h.x,
+            entry(2, 0) - h.y,
+            entry(2, 1) + h.x,
+            entry(2, 2) + d,
+        )
     }
 
     /// Second derivative of `c . J(w) a` with respect to `w`, symmetric.
@@ -262,9 +278,13 @@ mod tests {
     #[test]
     fn series_and_closed_forms_meet() {
         let w = Vector3::new(1.0, 1.0, 1.0);
-        let (below, above) = (RotationVector::new(w * (1.0 - 1e-15)), RotationVector::new(w * (1.0 + 1e-15)));
-        for (a, b) in below.alpha.iter().zip(&above.alpha).chain(below.beta.iter().zip(&above.beta)) {
-            assert!((a - b).abs() < 1e-14, "{a} {b}");
+        let few = Vector3::new(0.3, 0.0, 0.0);
+        for (w, tiny) in [(w, 1e-15), (few, 1e-15)] {
+            let (below, above) =
+                (RotationVector::new(w * (1.0 - tiny)), RotationVector::new(w * (1.0 + tiny)));
+            for (a, b) in below.alpha.iter().zip(&above.alpha).chain(below.beta.iter().zip(&above.beta)) {
+                assert!((a - b).abs() < 1e-14, "{a} {b}");
+            }
         }
     }
 }

@@ -66,7 +66,8 @@ impl Collocation {
         }
         [table.start, table.middle, table.finish] = [0.0, 0.5, 1.0].map(|t| table.row(t));
         table.end = table.finish.value[..count].to_vec();
-        let halves = table.points.iter().zip(&table.weights).map(|(t, weight)| (table.row(0.5 * t), 0.5 * weight));
+        let halves =
+            table.points.iter().zip(&table.weights).map(|(t, weight)| (table.row(0.5 * t), 0.5 * weight));
         let mut to_middle = vec![0.0; count];
         for (row, weight) in halves {
             to_middle.iter_mut().zip(row.inner).for_each(|(sum, inner)| *sum += weight * inner);

@@ -390,7 +390,9 @@ impl Span {
         let tendons = if let Some((mass, _)) = self.tendon_mass {
             mass * length
         } else {
-            let of = |(point, weight): &(f64, f64)| weight * length * self.tendon_mass(robot, s + point * length).0;
+            let of = |(point, weight): &(f64, f64)| {
+                weight * length * self.tendon_mass(robot, s + point * length).0
+            };
             GAUSS.iter().map(of).sum()
         };
         beyond + tendons * robot.gravity

@@ -383,8 +383,7 @@ impl Solution<'_> {
         if mesh.passing.len() != self.mesh.passing.len() || mesh.chords.len() != self.mesh.chords.len() {
             return Err(other());
         }
-        sweep.place(&mut mesh, self.tables);
-        tendons::measure(&mesh, &sweep, &mut drive.home, count);
+        tendons::at_rest(&mesh, &mut drive.home, count);
         mesh.copy_shape(self.mesh);
         sweep.place(&mut mesh, self.tables);
         tendons::measure(&mesh, &sweep, &mut drive.lengths, count);

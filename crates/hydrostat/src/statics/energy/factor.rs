@@ -70,9 +70,9 @@ impl Sweep {
         for (number, (gap, front)) in mesh.gaps.iter().zip(&mut self.gaps).enumerate() {
             (front.force, front.first_plate, front.second_plate) = Default::default();
             let [first, second] = [&mesh.rotations[gap.panels.start], &mesh.rotations[gap.panels.end]];
-            for chord in &mesh.chords[gap.chords.clone()] {
-                let pull =
-                    problem.tensions[chord.tendon] * chord.share * mesh.chord(gap, &chord.holes).normalize();
+            let chords = gap.chords.clone();
+            for (chord, (direction, _)) in mesh.chords[chords.clone()].iter().zip(&self.spans[chords]) {
+                let pull = problem.tensions[chord.tendon] * chord.share * direction;
                 front.force -= pull;
                 front.first_plate -= chord.holes[0].cross(&first.tr_mul(&pull));
                 front.second_plate += chord.holes[1].cross(&second.tr_mul(&pull));
@@ -93,7 +93,7 @@ impl Sweep {
                 carried[0][0] += point_loads(problem, mesh, k).1;
             }
             if let Some(gap) = panel.gap.filter(|gap| mesh.gaps[*gap].panels.end == k + 1) {
-                enter_gap(problem, mesh, gap, &mut carried);
+                self.enter_gap(problem, mesh, gap, &mut carried);
             }
             negative += self.eliminate_panel(problem, mesh, k, shift, &mut carried)?;
             if let Some(gap) = panel.gap.filter(|gap| mesh.gaps[*gap].panels.start == k) {
@@ -103,6 +103,40 @@ impl Sweep {
         // every gap's nu is a multiplier, with three negative pivots of its own
         let multipliers = 3 * mesh.gaps.iter().filter(|gap| !gap.panels.is_empty()).count();
         negative.checked_sub(multipliers)
+    }
+
+    /// The chords at the end of their gap: energy tau |c| with c from hole to hole, theory (33).
+    fn enter_gap(&self, problem: &Problem, mesh: &Mesh, number: usize, carried: &mut Carried) {
+        let gap = &mesh.gaps[number];
+        let [first, second] = [&mesh.rotations[gap.panels.start], &mesh.rotations[gap.panels.end]];
+        carried[1][2] += Matrix3::identity();
+        carried[2][1] += Matrix3::identity();
+        let chords = gap.chords.clone();
+        for (chord, (t, length)) in mesh.chords[chords.clone()].iter().zip(&self.spans[chords]) {
+            let tension = problem.tensions[chord.tendon] * chord.share;
+            if tension == 0.0 {
+                continue;
+            }
+            // (I - t t^T) tau/|c| between the changes of c by the second plate, by d and by the first plate
+            let across = (Matrix3::identity() - t * t.transpose()) * (tension / length);
+            let (pull_first, pull_second) = (first.tr_mul(&(tension * t)), second.tr_mul(&(tension * t)));
+            let [hole_first, hole_second] = chord.holes.map(|hole| hat(&hole));
+            let by_second = -(second * hole_second);
+            let by_first = first * hole_first;
+            let (across_second, across_first) = (across * by_second, across * by_first);
+            let of_first_second = by_second.tr_mul(&across_first);
+            carried[0][0] += by_second.tr_mul(&across_second) + symmetric(&(hat(&pull_second) * hole_second));
+            carried[0][2] += across_second.transpose();
+            carried[0][3] += of_first_second;
+            carried[2][2] += across;
+            carried[2][3] += across_first;
+            carried[3][3] += by_first.tr_mul(&across_first) - symmetric(&(hat(&pull_first) * hole_first));
+            if !problem.chain.symmetric {
+                carried[2][0] += across_second;
+                carried[3][0] += of_first_second.transpose();
+                carried[3][2] += across_first.transpose();
+            }
+        }
     }
 
     /// Adds what is carried from beyond to the model of a panel, and eliminates its turns.
@@ -191,42 +225,6 @@ fn point_loads(problem: &Problem, mesh: &Mesh, k: usize) -> (Vector3<f64>, Matri
     let (moment, weight) = (to_body * jump.moment, to_body * problem.gravity);
     let slope = -moment - jump.hung.cross(&weight);
     (slope, -0.5 * hat(&moment) - symmetric(&(hat(&weight) * hat(&jump.hung))))
-}
-
-/// The chords at the end of their gap: energy tau |c| with c from hole to hole, theory (33).
-fn enter_gap(problem: &Problem, mesh: &Mesh, number: usize, carried: &mut Carried) {
-    let gap = &mesh.gaps[number];
-    let [first, second] = [&mesh.rotations[gap.panels.start], &mesh.rotations[gap.panels.end]];
-    carried[1][2] += Matrix3::identity();
-    carried[2][1] += Matrix3::identity();
-    for chord in &mesh.chords[gap.chords.clone()] {
-        let tension = problem.tensions[chord.tendon] * chord.share;
-        if tension == 0.0 {
-            continue;
-        }
-        let span = mesh.chord(gap, &chord.holes);
-        let length = span.norm();
-        let t = span / length;
-        // (I - t t^T) tau/|c| between the changes of c by the second plate, by d and by the first plate
-        let across = (Matrix3::identity() - t * t.transpose()) * (tension / length);
-        let (pull_first, pull_second) = (first.tr_mul(&(tension * t)), second.tr_mul(&(tension * t)));
-        let [hole_first, hole_second] = chord.holes.map(|hole| hat(&hole));
-        let by_second = -(second * hole_second);
-        let by_first = first * hole_first;
-        let (across_second, across_first) = (across * by_second, across * by_first);
-        let of_first_second = by_second.tr_mul(&across_first);
-        carried[0][0] += by_second.tr_mul(&across_second) + symmetric(&(hat(&pull_second) * hole_second));
-        carried[0][2] += across_second.transpose();
-        carried[0][3] += of_first_second;
-        carried[2][2] += across;
-        carried[2][3] += across_first;
-        carried[3][3] += by_first.tr_mul(&across_first) - symmetric(&(hat(&pull_first) * hole_first));
-        if !problem.chain.symmetric {
-            carried[2][0] += across_second;
-            carried[3][0] += of_first_second.transpose();
-            carried[3][2] += across_first.transpose();
-        }
-    }
 }
 
 /// Adds what lies beyond the end of a panel to its front.

@@ -1,11 +1,11 @@
 //! Panels of the backbone with their Gauss nodes: what does not depend on the shape, and the shape itself.
 
+use super::sweep::Sweep;
 use crate::geometry::{RotationVector, rotation_vector};
 use crate::model::{Robot, Routing};
 use crate::numeric::collocation::{Collocation, FEWEST, MOST, Row};
 use crate::numeric::larger;
 use crate::solution::Station;
-use super::sweep::Sweep;
 use crate::statics::chain::Chain;
 use crate::statics::section::Pull;
 use nalgebra::{Matrix3, Vector3};
@@ -195,7 +195,9 @@ impl Mesh {
                     let hole = |s: f64| routed.path.hole(s / end, end).0;
                     // where the chord before has ended
                     let before = self.chords[last.1.clone()].iter().find(|chord| chord.tendon == tendon);
-                    let start = before.filter(|_| last.0 == pair[0]).map_or_else(|| hole(pair[0]), |chord| chord.holes[1]);
+                    let start = before
+                        .filter(|_| last.0 == pair[0])
+                        .map_or_else(|| hole(pair[0]), |chord| chord.holes[1]);
                     self.chords.push(Chord { tendon, holes: [start, hole(pair[1])], share: 1.0 });
                 }
             }
@@ -250,7 +252,6 @@ impl Mesh {
 pub(super) struct Sample {
     pub(super) position: Vector3<f64>,
     pub(super) rotation: Matrix3<f64>,
-    pub(super) v: Vector3<f64>,
 }
 
 impl Mesh {
@@ -265,13 +266,13 @@ impl Mesh {
         let panel = &self.panels[k];
         let table = tables.of(panel.nodes.len());
         let t = ((s - panel.from) / panel.length).clamp(0.0, 1.0);
-        let (rotation, v, _) = self.within(panel, table, &self.rotations[k], t);
+        let (rotation, ..) = self.within(panel, table, &self.rotations[k], t);
         let mut position = self.positions[k];
         for (point, weight) in table.points.iter().zip(&table.weights) {
             let (rotation, v, _) = self.within(panel, table, &self.rotations[k], t * point);
             position += (t * weight * panel.length) * (rotation * v);
         }
-        Sample { position, rotation, v }
+        Sample { position, rotation }
     }
 
     fn rotation_and_v(&self, tables: &Tables, s: f64) -> (Matrix3<f64>, Vector3<f64>) {
@@ -313,7 +314,11 @@ impl Mesh {
     }
 
     /// Turn, its rate, and v.
-    pub(super) fn interpolated(&self, panel: &Panel, row: &Row) -> (Vector3<f64>, Vector3<f64>, Vector3<f64>) {
+    pub(super) fn interpolated(
+        &self,
+        panel: &Panel,
+        row: &Row,
+    ) -> (Vector3<f64>, Vector3<f64>, Vector3<f64>) {
         let (mut turn, mut rate, mut v) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
         for (j, node) in panel.nodes.clone().enumerate() {
             turn += row.value[j] * self.turn[node];

@@ -101,13 +101,14 @@ impl Equations<'_> {
         tendons::measure(mesh, sweep, &mut drive.lengths, self.robot.tendons.len());
     }
 
-    /// What is left of the equations at the mesh's shape.
-    pub(super) fn residual(&self, memory: &mut Memory, mesh: &mut Mesh) -> f64 {
-        let mut residual = self.evaluate(memory, mesh);
-        let drive = &memory.drive;
+    /// What is left of the equations at the placed shape.
+    pub(super) fn residual(&self, memory: &mut Memory, mesh: &Mesh) -> f64 {
+        let Memory { sweep, linear, drive } = memory;
+        let mut residual = sweep.gradient(&self.problem(&drive.tensions), mesh, &mut linear.gradient);
         for (&tendon, &taut) in drive.held.iter().zip(&drive.taut) {
             let excess = drive.excess(self.robot, tendon, self.factor);
-            residual = larger(residual, if taut { excess.abs() } else { excess.max(0.0) } / self.chain.length);
+            residual =
+                larger(residual, if taut { excess.abs() } else { excess.max(0.0) } / self.chain.length);
         }
         residual
     }
@@ -252,12 +253,18 @@ impl Equations<'_> {
                     return Err(Stuck { correction });
                 }
                 self.place(&mut memory.sweep, &mut memory.drive, mesh);
-                if memory.drive.longest_slack(self.robot, self.factor) > ROUNDING_RESIDUAL * self.chain.length {
+                if memory.drive.longest_slack(self.robot, self.factor) > ROUNDING_RESIDUAL * self.chain.length
+                {
                     return Err(Stuck { correction });
                 }
                 mesh.find_middles(&memory.sweep, self.tables);
                 let contraction = first_contraction.unwrap_or(0.0);
-                return Ok(Converged { residual: if closed { residual } else { ahead }, negative, correction, contraction });
+                return Ok(Converged {
+                    residual: if closed { residual } else { ahead },
+                    negative,
+                    correction,
+                    contraction,
+                });
             }
             (last, last_residual) = (correction, residual);
         }

@@ -109,11 +109,7 @@ impl Energy {
 
     /// At the middle of every panel between plates: s, how far a tendon's straight line is from the curve of its hole, and the
     /// radius of the hole.
-    pub(in crate::statics) fn for_each_deviation(
-        &self,
-        robot: &Robot,
-        mut visit: impl FnMut(f64, f64, f64),
-    ) {
+    pub(in crate::statics) fn for_each_deviation(&self, robot: &Robot, mut visit: impl FnMut(f64, f64, f64)) {
         let Energy { coarse, .. } = self;
         for gap in &coarse.gaps {
             let start = coarse.panels[gap.panels.start].from;

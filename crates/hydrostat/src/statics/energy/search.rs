@@ -151,7 +151,8 @@ impl Search<'_> {
             };
             let difference = self.difference();
             let finer = self.energy.coarse.tail(&self.energy.tables);
-            let reduction = self.reduction(added, (tail, finer), last_difference.map(|last| last / difference));
+            let reduction =
+                self.reduction(added, (tail, finer), last_difference.map(|last| last / difference));
             last_difference = added.then_some(difference);
             let nodes = self.energy.coarse.data.len();
             let rounding =
@@ -178,7 +179,9 @@ impl Search<'_> {
             return SLOWEST_REDUCTION;
         }
         let told = seen.filter(|_| added).or_else(|| added.then_some(tails.0 / tails.1));
-        told.filter(|told| told.is_finite()).unwrap_or(UNSEEN_REDUCTION).clamp(SLOWEST_REDUCTION, LARGEST_REDUCTION)
+        told.filter(|told| told.is_finite())
+            .unwrap_or(UNSEEN_REDUCTION)
+            .clamp(SLOWEST_REDUCTION, LARGEST_REDUCTION)
     }
 
     fn start_from_rest(&mut self) -> Result<Option<f64>, Error> {
@@ -288,9 +291,8 @@ impl Search<'_> {
     fn lay(&mut self) {
         let Energy { tables, layouts, coarse, memory, .. } = &mut *self.energy;
         coarse.rebuild(self.robot, self.chain, layouts, tables);
-        memory.sweep.place(coarse, tables);
         memory.drive.rest(self.robot);
-        tendons::measure(coarse, &memory.sweep, &mut memory.drive.home, self.robot.tendons.len());
+        tendons::at_rest(coarse, &mut memory.drive.home, self.robot.tendons.len());
     }
 
     /// Newton's method on the coarse mesh; with friction in turns with the tensions along the tendons.
@@ -338,8 +340,8 @@ impl Search<'_> {
             let outcome = self.newton(factor, target);
             let work = (self.iterations - begun) * self.energy.coarse.data.len();
             let quick = matches!(outcome, Ok(end) if end.contraction <= QUICK);
-            let strayed = outcome.is_ok()
-                && self.turned() > if quick { LARGEST_QUICK_TURN } else { LARGEST_LOAD_TURN };
+            let strayed =
+                outcome.is_ok() && self.turned() > if quick { LARGEST_QUICK_TURN } else { LARGEST_LOAD_TURN };
             let unstable = matches!(outcome, Ok(end) if end.negative > 0) && unstable_from.is_none();
             if outcome.is_ok() && !strayed && (!unstable || part < UNSTABLE_BELOW) {
                 reached = factor;

@@ -43,6 +43,8 @@ pub(super) struct Sweep {
     /// Blocks of the panels' fronts, one panel behind the other.
     pub(super) fronts: Vec<Matrix3<f64>>,
     pub(super) gaps: Vec<GapFront>,
+    /// Direction and length of every chord.
+    pub(super) spans: Vec<(Vector3<f64>, f64)>,
     /// Right-hand sides on their way through the fronts.
     right: Vec<Vector3<f64>>,
 }
@@ -190,6 +192,14 @@ impl Sweep {
             (blocks, rows) = (blocks + size * size, rows + size);
             mesh.rotations[k + 1] = start * since_start;
             mesh.positions[k + 1] = position;
+        }
+        self.spans.clear();
+        for gap in &mesh.gaps {
+            for chord in &mesh.chords[gap.chords.clone()] {
+                let span = mesh.chord(gap, &chord.holes);
+                let length = span.norm();
+                self.spans.push((span / length, length));
+            }
         }
         self.fronts.resize(blocks, Matrix3::zeros());
         self.right.resize(rows, Vector3::zeros());

@@ -4,8 +4,9 @@ use super::mesh::Mesh;
 use super::node;
 use super::sweep::{Column, Sweep};
 use crate::Robot;
+use crate::geometry::RotationVector;
 use crate::model::Command;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 /// A path that gains so little along the backbone, per length of it, has shrunk to nothing.
 const FOLDED: f64 = 1e-3;
@@ -99,9 +100,37 @@ pub(super) fn measure(mesh: &Mesh, sweep: &Sweep, lengths: &mut Vec<f64>, count:
             lengths[passing.tendon] += data.weight * node::tangent(shape, passing).0;
         }
     }
+    for (chord, (_, length)) in mesh.chords.iter().zip(&sweep.spans) {
+        lengths[chord.tendon] += length;
+    }
+}
+
+/// Lengths of the paths on the robot at rest.
+pub(super) fn at_rest(mesh: &Mesh, lengths: &mut Vec<f64>, count: usize) {
+    lengths.clear();
+    lengths.resize(count, 0.0);
+    for data in &mesh.data {
+        for passing in &mesh.passing[data.passing.clone()] {
+            lengths[passing.tendon] +=
+                data.weight * passing.pull(&[]).path(&Vector3::z(), &data.rest_curvature).0;
+        }
+    }
     for gap in &mesh.gaps {
+        // from plate to plate along arcs of constant curvature, in the frame of the first
+        let (mut position, mut rotation) = (Vector3::zeros(), Matrix3::identity());
+        for panel in &mesh.panels[gap.panels.clone()] {
+            let curvature = mesh.data[panel.nodes.start].rest_curvature;
+            if curvature == Vector3::zeros() {
+                position += panel.length * rotation.column(2);
+                continue;
+            }
+            let turn = RotationVector::new(panel.length * curvature);
+            // the integral of exp(t hat(u)) is J(-w) = J(w)^T for constant u
+            position += panel.length * (rotation * (turn.jacobian().transpose() * Vector3::z()));
+            rotation *= turn.rotation();
+        }
         for chord in &mesh.chords[gap.chords.clone()] {
-            lengths[chord.tendon] += mesh.chord(gap, &chord.holes).norm();
+            lengths[chord.tendon] += (position + rotation * chord.holes[1] - chord.holes[0]).norm();
         }
     }
 }
@@ -121,8 +150,9 @@ pub(super) fn length_form(mesh: &Mesh, sweep: &Sweep, tendon: usize, shares: boo
         }
     }
     for (number, gap) in mesh.gaps.iter().enumerate() {
-        for chord in mesh.chords[gap.chords.clone()].iter().filter(|chord| chord.tendon == tendon) {
-            let t: Vector3<f64> = mesh.chord(gap, &chord.holes).normalize() * scale(chord.share);
+        for number_of_chord in gap.chords.clone().filter(|&chord| mesh.chords[chord].tendon == tendon) {
+            let chord = &mesh.chords[number_of_chord];
+            let t = sweep.spans[number_of_chord].0 * scale(chord.share);
             let [first, second] = [gap.panels.start, gap.panels.end].map(|k| mesh.rotations[k].tr_mul(&t));
             column.gaps[number][0] += t;
             column.gaps[number][1] -= chord.holes[0].cross(&first);
@@ -154,10 +184,9 @@ pub(super) fn folded(mesh: &Mesh, sweep: &Sweep) -> Option<(usize, f64)> {
     for gap in &mesh.gaps {
         let panels = &mesh.panels[gap.panels.clone()];
         let length: f64 = panels.iter().map(|panel| panel.length).sum();
-        for chord in &mesh.chords[gap.chords.clone()] {
-            if mesh.chord(gap, &chord.holes).norm() < FOLDED * length {
-                return Some((chord.tendon, panels[0].from));
-            }
+        let mut chords = gap.chords.clone();
+        if let Some(chord) = chords.find(|&chord| sweep.spans[chord].1 < FOLDED * length) {
+            return Some((mesh.chords[chord].tendon, panels[0].from));
         }
     }
     None
