@@ -3,7 +3,6 @@
 use crate::plot::Format;
 use crate::{End, Outcome, batch, files, json, summary, warn};
 use clap::ValueEnum;
-use hydrostat::batch::Start;
 use hydrostat::statics::{self, Settings};
 use hydrostat::{Equilibrium, Error};
 use hydrostat::{description, solution};
@@ -51,9 +50,6 @@ pub(crate) struct Args {
     /// Where the rows go, a file .parquet or .csv
     #[arg(long, value_name = "FILE", requires = "batch")]
     out: Option<PathBuf>,
-    /// Start every row from the one before it, for rows that lie along a path
-    #[arg(long, requires = "batch")]
-    warm: bool,
     /// How the shape is found
     #[arg(long, value_enum, default_value_t = Method::Energy)]
     method: Method,
@@ -91,8 +87,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
     };
     if let (Some(commands), Some(out)) = (&args.batch, &args.out) {
         let settings = Settings { stations: args.stations.unwrap_or(0), eigenvalue: false, ..settings };
-        let start = if args.warm { Start::Previous } else { Start::Rest };
-        return batch::run(commands, out, &robot, &settings, start);
+        return batch::run(commands, out, &robot, &settings);
     }
     let solve = |settings: &Settings| match &from {
         Some(stations) => statics::solve_from(&robot, settings, stations),

@@ -1,13 +1,15 @@
 //! Many commands of one robot, on all cores.
 //!
 //! Rows are solved in chunks of a fixed size, each in memory of its own, so that the answers are the same to the last bit
-//! whatever the number of threads. Where threads do not exist (wasm32) one does the work.
+//! whatever the number of threads. Every row starts from rest: it is on the primary branch, and knows nothing of the rows
+//! before it. Where threads do not exist (wasm32) one does the work.
 
 use crate::model::{Command, LoadKind, Pose};
 use crate::statics::{self, Settings, Workspace};
 use crate::{Equilibrium, Error, Robot};
 use nalgebra::Vector3;
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// What a column of commands sets; indices into the robot's tendons and loads, axes 0 to 2.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,16 +34,6 @@ pub struct Commands {
     pub values: Vec<f64>,
     /// Rows that could not be read, ascending, and why; their values are not looked at.
     pub broken: Vec<(usize, Error)>,
-}
-
-/// Where the search for a row's shape begins.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Start {
-    /// The unloaded robot: rows know nothing of each other.
-    #[default]
-    Rest,
-    /// The row before it, for commands that lie along a path.
-    Previous,
 }
 
 /// Consecutive rows, solved.
@@ -136,7 +128,7 @@ impl Input {
 }
 
 /// Solves every row and gives the chunks to `take`, in order. `stop` is asked before each chunk; once it says yes, no
-/// further chunk is begun, and those before the first that is missing are still given.
+/// further one is begun, and those that have been are finished and given.
 ///
 /// # Errors
 /// Inputs that the robot does not have, or impossible settings. A row that fails is an error of its own in its chunk.
@@ -144,7 +136,6 @@ pub fn solve_many(
     robot: &Robot,
     commands: &Commands,
     settings: &Settings,
-    start: Start,
     stop: impl Fn() -> bool + Sync,
     mut take: impl FnMut(Chunk),
 ) -> Result<(), Error> {
@@ -153,63 +144,37 @@ pub fn solve_many(
     let chunks = commands.rows().div_ceil(CHUNK);
     let wave = WAVE * rayon::current_num_threads();
     for from in (0..chunks).step_by(wave) {
-        let solve = |number| (!stop()).then(|| solve_chunk(robot, commands, settings, start, number * CHUNK));
-        let solved: Vec<Option<Chunk>> =
-            (from..chunks.min(from + wave)).into_par_iter().with_max_len(1).map(solve).collect();
-        let begun = solved.len();
-        let done = solved.into_iter().map_while(|chunk| chunk).map(&mut take).count();
-        if done < begun {
+        // begun in order, so that nothing is missing between those that are done
+        let next = AtomicUsize::new(from);
+        let solve = |_| {
+            let begin = || next.fetch_add(1, Ordering::Relaxed) * CHUNK;
+            (!stop()).then(|| solve_chunk(robot, commands, settings, begin()))
+        };
+        let range = from..chunks.min(from + wave);
+        let all = range.len();
+        let mut solved: Vec<Chunk> = range.into_par_iter().with_max_len(1).filter_map(solve).collect();
+        solved.sort_by_key(|chunk| chunk.first);
+        let stopped = solved.len() < all;
+        solved.into_iter().for_each(&mut take);
+        if stopped {
             break;
         }
     }
     Ok(())
 }
 
-fn solve_chunk(robot: &Robot, commands: &Commands, settings: &Settings, start: Start, first: usize) -> Chunk {
+fn solve_chunk(robot: &Robot, commands: &Commands, settings: &Settings, first: usize) -> Chunk {
     let mut robot = robot.clone();
     let mut workspace = Workspace::default();
     let end = commands.rows().min(first + CHUNK);
     let mut chunk = Chunk::with_capacity(&robot, settings, first, end - first);
     for row in first..end {
-        let solved = commands.put(row, &mut robot).and_then(|()| match start {
-            Start::Rest => statics::solve_in(&robot, settings, &mut workspace),
-            Start::Previous => continue_from(&robot, settings, &mut workspace),
-        });
+        let put = commands.put(row, &mut robot);
+        let solved = put.and_then(|()| statics::solve_in(&robot, settings, &mut workspace));
         chunk.push(&robot, settings, solved);
-    }
-    if start == Start::Previous && !ends_where_rest_leads(&robot, settings, chunk.rows.last()) {
-        return solve_chunk(&robot, commands, settings, Start::Rest, first);
     }
     chunk
 }
-
-/// From the row before where that leads to a stable shape, from rest otherwise.
-fn continue_from(
-    robot: &Robot,
-    settings: &Settings,
-    workspace: &mut Workspace,
-) -> Result<Equilibrium, Error> {
-    match statics::solve_near(robot, settings, workspace) {
-        Ok(shape) if shape.report.stable == Some(true) => Ok(shape),
-        _ => statics::solve_in(robot, settings, workspace),
-    }
-}
-
-/// Whether the robot's shape is the one that the unloaded robot leads to. A branch that has been left on the way is
-/// seldom found again by its end.
-fn ends_where_rest_leads(robot: &Robot, settings: &Settings, found: Option<&Result<Shape, Error>>) -> bool {
-    let Some(Ok(found)) = found else {
-        return true; // it was tried from rest
-    };
-    let bare = Settings { stations: 0, ..settings.clone() };
-    statics::solve(robot, &bare).is_ok_and(|shape| {
-        let apart = (shape.tip.position - found.tip.position).norm();
-        apart <= shape.report.error_estimate + found.error_estimate + SAME * robot.length()
-    })
-}
-
-/// Two shapes closer than this, of the length, are one.
-const SAME: f64 = 1e-6;
 
 impl Commands {
     /// Puts a row into the robot.

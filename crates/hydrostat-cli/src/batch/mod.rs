@@ -8,7 +8,7 @@ mod table;
 mod writer;
 
 use crate::{End, Outcome, files, warn};
-use hydrostat::batch::{Chunk, Start, solve_many};
+use hydrostat::batch::{Chunk, solve_many};
 use hydrostat::statics::Settings;
 use hydrostat::{Error, Robot, description};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -37,13 +37,7 @@ struct Tally {
     first: Vec<String>,
 }
 
-pub(crate) fn run(
-    commands: &Path,
-    out: &Path,
-    robot: &Robot,
-    settings: &Settings,
-    start: Start,
-) -> Result<Outcome, Error> {
+pub(crate) fn run(commands: &Path, out: &Path, robot: &Robot, settings: &Settings) -> Result<Outcome, Error> {
     writer::check_name(out, settings.stations)?;
     let text = files::read_table(commands)?;
     let commands = description::parse_command_table(&text, &commands.to_string_lossy(), robot)?;
@@ -60,7 +54,6 @@ pub(crate) fn run(
             robot,
             &commands,
             settings,
-            start,
             || stop.load(Ordering::Relaxed),
             |chunk: Chunk| {
                 bar.inc(chunk.rows.len() as u64);
