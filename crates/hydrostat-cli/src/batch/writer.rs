@@ -19,7 +19,7 @@ pub(super) struct Writer {
 enum Kind {
     Csv,
     #[cfg(feature = "parquet")]
-    Parquet(Parquet),
+    Parquet(Box<Parquet>),
 }
 
 /// Refuses a name whose ending says no kind, or one that cannot hold what is asked.
@@ -49,7 +49,7 @@ impl Writer {
             #[cfg(feature = "parquet")]
             Some("parquet") => {
                 let file = new.file.try_clone().map_err(refused)?;
-                Kind::Parquet(Parquet::create(file, columns).map_err(refused)?)
+                Kind::Parquet(Box::new(Parquet::create(file, columns).map_err(refused)?))
             }
             _ => {
                 let names: Vec<&str> = columns.columns.iter().map(|(name, _)| name.as_str()).collect();
