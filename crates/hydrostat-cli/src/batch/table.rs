@@ -19,6 +19,7 @@ pub(super) enum Values {
     /// None is not known.
     Flags(Vec<Option<bool>>),
     /// So many per row.
+    #[cfg_attr(not(feature = "parquet"), expect(dead_code, reason = "CSV has no lists"))]
     Lists(usize, Vec<f64>),
 }
 
