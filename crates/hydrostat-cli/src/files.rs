@@ -4,13 +4,24 @@ use hydrostat::Error;
 use hydrostat::description::templates;
 use std::fs;
 use std::io::{ErrorKind, Read, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Larger than any table of a bench.
 const LARGEST_INPUT: u64 = 64 << 20;
+/// Some ten million commands.
+const LARGEST_TABLE: u64 = 1 << 30;
 
-/// Reads a UTF-8 text.
+/// Reads a UTF-8 text: a robot, a bench or its table.
 pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
+    read_up_to(path, LARGEST_INPUT, "a robot, a bench or its table")
+}
+
+/// Reads a table of commands.
+pub(crate) fn read_table(path: &Path) -> Result<String, Error> {
+    read_up_to(path, LARGEST_TABLE, "a table of commands; split it")
+}
+
+fn read_up_to(path: &Path, largest: u64, expected: &str) -> Result<String, Error> {
     let name = path.display();
     let refused = |error: std::io::Error| match error.kind() {
         ErrorKind::NotFound => Error::new(format!("no file named {name}")).hint("check the path"),
@@ -22,12 +33,10 @@ pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
         return Err(Error::new(format!("{name} is a folder, expected a file")).hint("name a file inside it"));
     }
     let mut bytes = Vec::new();
-    file.take(LARGEST_INPUT + 1).read_to_end(&mut bytes).map_err(refused)?;
-    if bytes.len() as u64 > LARGEST_INPUT {
-        let limit = LARGEST_INPUT >> 20;
-        return Err(Error::new(format!(
-            "{name} is larger than {limit} MiB, expected a robot, a bench or its table"
-        )));
+    file.take(largest + 1).read_to_end(&mut bytes).map_err(refused)?;
+    if bytes.len() as u64 > largest {
+        let limit = largest >> 20;
+        return Err(Error::new(format!("{name} is larger than {limit} MiB, expected {expected}")));
     }
     let text = String::from_utf8(bytes).map_err(|error| {
         let good = error.utf8_error().valid_up_to();
@@ -39,36 +48,62 @@ pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
     Ok(text.trim_start_matches('\u{feff}').to_owned())
 }
 
-/// Writes a file completely or not at all: beside it first, then renamed over it.
+/// Writes a file completely or not at all.
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
-    let refused = |error: std::io::Error| match error.kind() {
+    // a device or pipe cannot be replaced
+    if fs::metadata(path).is_ok_and(|meta| !meta.is_file() && !meta.is_dir()) {
+        return fs::write(path, bytes).map_err(|error| refused_to_write(path, &error));
+    }
+    let mut new = NewFile::create(path)?;
+    new.file.write_all(bytes).map_err(|error| refused_to_write(path, &error))?;
+    new.finish()
+}
+
+/// A file that is written beside its place and renamed over it when it is complete; dropped before, nothing has changed.
+pub(crate) struct NewFile {
+    pub(crate) file: fs::File,
+    path: PathBuf,
+    target: PathBuf,
+    beside: PathBuf,
+}
+
+impl NewFile {
+    pub(crate) fn create(path: &Path) -> Result<NewFile, Error> {
+        // a link stays a link
+        let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        let refused = |what: &str| Err(Error::new(format!("cannot write {}: {what}", path.display())));
+        match fs::metadata(&target) {
+            Ok(meta) if meta.is_dir() => return refused("it is a folder"),
+            Ok(meta) if !meta.is_file() => return refused("it is a device or a pipe"),
+            _ => {}
+        }
+        let Some(name) = target.file_name() else {
+            return refused("it names no file");
+        };
+        let beside = target.with_file_name(format!(".{}.{}.tmp", name.to_string_lossy(), std::process::id()));
+        let file = fs::File::create_new(&beside).map_err(|error| refused_to_write(path, &error))?;
+        Ok(NewFile { file, path: path.to_owned(), target, beside })
+    }
+
+    pub(crate) fn finish(self) -> Result<(), Error> {
+        let done = self.file.sync_all().and_then(|()| fs::rename(&self.beside, &self.target));
+        done.map_err(|error| refused_to_write(&self.path, &error))
+    }
+}
+
+impl Drop for NewFile {
+    fn drop(&mut self) {
+        let _ = fs::remove_file(&self.beside); // gone already where it was renamed
+    }
+}
+
+pub(crate) fn refused_to_write(path: &Path, error: &std::io::Error) -> Error {
+    match error.kind() {
         ErrorKind::NotFound => {
             Error::new(format!("cannot write {}: its folder does not exist", path.display()))
         }
         _ => Error::new(format!("cannot write {}: {error}", path.display())),
-    };
-    // a link stays a link
-    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    match fs::metadata(&target) {
-        Ok(meta) if meta.is_dir() => {
-            return Err(Error::new(format!("cannot write {}: it is a folder", path.display())));
-        }
-        // a device or pipe cannot be replaced
-        Ok(meta) if !meta.is_file() => return fs::write(&target, bytes).map_err(refused),
-        _ => {}
     }
-    let Some(name) = target.file_name() else {
-        return Err(Error::new(format!("cannot write {}: it names no file", path.display())));
-    };
-    let beside = target.with_file_name(format!(".{}.{}.tmp", name.to_string_lossy(), std::process::id()));
-    let written =
-        write_new(&beside, bytes).and_then(|()| fs::rename(&beside, &target).map_err(|e| (true, e)));
-    written.map_err(|(made, error)| {
-        if made {
-            let _ = fs::remove_file(&beside);
-        }
-        refused(error)
-    })
 }
 
 /// Writes files that must not exist yet; on failure none of them is left.

@@ -1,10 +1,11 @@
 //! The `hydrostat` command: flags, files and exit codes around the core.
 //!
 //! A command returns everything it wants to print; only this file writes to stdout, so that nothing is there when a
-//! command fails. Exit codes: 0 solved, 1 solved but a check fails, 2 error.
+//! command fails. Exit codes: 0 solved, 1 solved but a check fails, 2 error, 130 interrupted.
 
 #![allow(clippy::print_stderr, reason = "the binary prints")]
 
+mod batch;
 mod comparison;
 mod derivatives;
 mod files;
@@ -27,7 +28,7 @@ use std::process::ExitCode;
 #[command(
     name = "hydrostat",
     version,
-    after_help = "Exit codes: 0 solved, 1 solved but a check fails, 2 error (message on stderr)."
+    after_help = "Exit codes: 0 solved, 1 solved but a check fails, 2 error (message on stderr), 130 interrupted."
 )]
 struct Cli {
     #[command(subcommand)]
@@ -49,9 +50,27 @@ enum Command {
 /// What a command that ran to its end has to say.
 struct Outcome {
     stdout: String,
-    /// False where a check fails.
-    passed: bool,
+    end: End,
 }
+
+/// How it ended.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum End {
+    Passed,
+    /// A check or a row fails.
+    Fails,
+    /// By Ctrl-C, what was done is kept.
+    Interrupted,
+}
+
+impl End {
+    fn passed(passed: bool) -> End {
+        if passed { End::Passed } else { End::Fails }
+    }
+}
+
+/// As a shell gives it for a program that Ctrl-C ended.
+const INTERRUPTED: u8 = 130;
 
 fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
@@ -60,9 +79,10 @@ fn main() -> ExitCode {
         Command::Validate(args) => validate::run(&args),
         Command::New(args) => new::run(&args),
     };
-    match outcome.and_then(|outcome| print(&outcome.stdout).map(|()| outcome.passed)) {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::from(1),
+    match outcome.and_then(|outcome| print(&outcome.stdout).map(|()| outcome.end)) {
+        Ok(End::Passed) => ExitCode::SUCCESS,
+        Ok(End::Fails) => ExitCode::from(1),
+        Ok(End::Interrupted) => ExitCode::from(INTERRUPTED),
         Err(error) => {
             eprintln!("error: {error}");
             ExitCode::from(2)

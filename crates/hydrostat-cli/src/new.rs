@@ -1,6 +1,6 @@
 //! `hydrostat new`: commented starter files, never over existing ones.
 
-use crate::{Outcome, files};
+use crate::{End, Outcome, files};
 use clap::ValueEnum;
 use hydrostat::Error;
 use hydrostat::description::templates;
@@ -33,5 +33,5 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
     files::create_all(&templates)?;
     let wrote: Vec<&str> = templates.iter().map(|file| file.name.as_str()).collect();
     let stdout = format!("wrote {}; next: hydrostat {next} {name}.toml\n", wrote.join(", "));
-    Ok(Outcome { stdout, passed: true })
+    Ok(Outcome { stdout, end: End::Passed })
 }

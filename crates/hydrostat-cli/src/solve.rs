@@ -2,7 +2,7 @@
 
 use crate::derivatives::Derivatives;
 use crate::plot::Format;
-use crate::{Outcome, files, json, summary, warn};
+use crate::{End, Outcome, batch, files, json, summary, warn};
 use clap::ValueEnum;
 use hydrostat::statics::{self, Settings, Workspace};
 use hydrostat::{Equilibrium, Error};
@@ -10,6 +10,7 @@ use hydrostat::{description, solution};
 use std::path::PathBuf;
 use std::time::Instant;
 
+const STATIONS: usize = 101;
 /// Points of a drawn backbone.
 const PLOTTED: usize = 1001;
 
@@ -26,9 +27,9 @@ pub(crate) struct Args {
     /// Draw side and front view to scale into a file .svg or .png
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
-    /// Output stations, evenly spaced in arc length, both ends included
-    #[arg(long, value_name = "K", default_value_t = 101, value_parser = station_count)]
-    stations: usize,
+    /// Output stations, evenly spaced in arc length, both ends included [default: 101; in a batch none]
+    #[arg(long, value_name = "K", value_parser = station_count)]
+    stations: Option<usize>,
     /// Largest estimated position error, as a fraction of the length
     #[arg(long, value_name = "FRACTION", default_value_t = 1e-9, value_parser = tolerance, allow_negative_numbers = true)]
     tolerance: f64,
@@ -50,6 +51,12 @@ pub(crate) struct Args {
     /// Add how the tip gives way to a force and a moment on it
     #[arg(long, conflicts_with = "csv")]
     compliance: bool,
+    /// Solve every row of a table with columns such as tension.a [N], displacement.a [mm], load.NAME.force x [N]
+    #[arg(long, value_name = "FILE", requires = "out", conflicts_with_all = ["json", "csv", "plot", "from", "jacobian", "compliance"])]
+    batch: Option<PathBuf>,
+    /// Where the rows go, a file .parquet or .csv
+    #[arg(long, value_name = "FILE", requires = "batch")]
+    out: Option<PathBuf>,
     /// How the shape is found
     #[arg(long, value_enum, default_value_t = Method::Energy)]
     method: Method,
@@ -81,10 +88,14 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
     let settings = Settings {
         method,
         tolerance: args.tolerance,
-        stations: args.stations,
+        stations: args.stations.unwrap_or(STATIONS),
         shooting_intervals: args.shooting_intervals.map(usize::from),
         ..Settings::default()
     };
+    if let (Some(commands), Some(out)) = (&args.batch, &args.out) {
+        let settings = Settings { stations: args.stations.unwrap_or(0), eigenvalue: false, ..settings };
+        return batch::run(commands, out, &robot, &settings);
+    }
     let mut workspace = Workspace::default();
     let solve = |settings: &Settings, workspace: &mut Workspace| match &from {
         Some(stations) => statics::solve_from_in(&robot, settings, stations, workspace),
@@ -99,7 +110,8 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
 
     if let Some((path, format)) = plot {
         // a coil needs more points than a table
-        let smooth = Settings { stations: args.stations.max(PLOTTED), eigenvalue: false, ..settings.clone() };
+        let smooth =
+            Settings { stations: settings.stations.max(PLOTTED), eigenvalue: false, ..settings.clone() };
         let smooth = Equilibrium { stations: solve(&smooth, &mut workspace)?.stations, ..shape.clone() };
         files::write(path, &format.encode(hydrostat_report::shape_svg(&robot, &smooth))?)?;
     }
@@ -116,7 +128,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
     if args.json || args.csv {
         warn(&failures);
     }
-    Ok(Outcome { stdout, passed: failures.is_empty() })
+    Ok(Outcome { stdout, end: End::passed(failures.is_empty()) })
 }
 
 fn station_count(text: &str) -> Result<usize, String> {

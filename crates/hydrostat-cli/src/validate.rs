@@ -1,6 +1,6 @@
 //! `hydrostat validate`: published and exact solutions against ours.
 
-use crate::{Outcome, files, text};
+use crate::{End, Outcome, files, text};
 use hydrostat::Error;
 use hydrostat::validate::{self, Case, robustness};
 use std::path::PathBuf;
@@ -36,7 +36,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
         cases.extend(robustness::tendon_sweep(RANDOM, SEED).cases());
     }
     let stdout = if args.markdown { TITLE.to_owned() + &validate::markdown(&cases) } else { table(&cases) };
-    Ok(Outcome { stdout, passed: cases.iter().all(Case::ok) })
+    Ok(Outcome { stdout, end: End::passed(cases.iter().all(Case::ok)) })
 }
 
 fn table(cases: &[Case]) -> String {

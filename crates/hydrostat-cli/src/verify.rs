@@ -1,7 +1,7 @@
 //! `hydrostat verify`: the model against a measured bench.
 
 use crate::plot::Format;
-use crate::{Outcome, comparison, files, json, warn};
+use crate::{End, Outcome, comparison, files, json, warn};
 use hydrostat::Error;
 use hydrostat::description::{self, Parsed, builtin};
 use hydrostat::statics::Settings;
@@ -50,7 +50,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
     };
     // the verdict on the model is a result; a prediction that fails its own check is not one to trust
     let passed = verification.rows.iter().all(|row| row.failed.is_empty());
-    Ok(Outcome { stdout, passed })
+    Ok(Outcome { stdout, end: End::passed(passed) })
 }
 
 /// Reads an experiment and what it names, relative to its own folder; notes the names for the report.

@@ -1,6 +1,7 @@
 //! Text in, a robot or an experiment out. The format is `docs/format.md`.
 
 pub mod builtin;
+mod commands;
 mod data;
 mod experiment;
 mod load;
@@ -16,6 +17,7 @@ pub mod unit;
 #[cfg(test)]
 mod format_test;
 
+pub use commands::parse_command_table;
 pub use experiment::parse_experiment;
 pub use robot::parse_robot;
 pub use tendon::parse_commands;

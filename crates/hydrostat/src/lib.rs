@@ -37,6 +37,7 @@ pub mod solution;
 pub mod statics;
 
 // what the shape is used for
+pub mod batch;
 pub mod validate;
 pub mod verify;
 

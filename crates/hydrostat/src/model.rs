@@ -305,6 +305,13 @@ impl Tendon {
 }
 
 impl Command {
+    /// The last direction of motion.
+    pub fn motion(&self) -> Motion {
+        match *self {
+            Command::Tension { motion, .. } | Command::Displacement { motion, .. } => motion,
+        }
+    }
+
     fn check(&self) -> Result<(), Error> {
         match *self {
             Command::Tension { tension, .. } if !(tension >= 0.0 && tension.is_finite()) => {

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 #![allow(clippy::print_stdout, reason = "a skipped test says so")]
 
+mod batch;
 mod new;
 mod outputs;
 mod readme;

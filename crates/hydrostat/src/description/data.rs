@@ -15,9 +15,9 @@ pub(super) struct Data<'s> {
 }
 
 #[derive(Debug)]
-struct Cell {
-    text: String,
-    span: Range<usize>,
+pub(super) struct Cell {
+    pub text: String,
+    pub span: Range<usize>,
 }
 
 /// One column of numbers.
@@ -35,20 +35,11 @@ pub(super) struct Column {
 
 impl<'s> Data<'s> {
     pub(super) fn parse(source: &'s Source<'s>) -> Result<Self, Error> {
-        let mut lines = lines(source.text).map(|span| cells(source, span));
-        let empty = || Error::new("the file has no rows of data").at(source.place(0..0, ""));
-        let headers = lines.next().ok_or_else(empty)??;
-        if let [only] = &headers[..]
-            && let Some(separator) = only.text.chars().find(|c| [';', '\t'].contains(c))
-        {
-            let error = Error::new(format!("cells are separated by {separator:?}, expected ','"));
-            return Err(error
-                .at(source.place(only.span.clone(), ""))
-                .hint("decimals are written with a point"));
-        }
+        let mut lines = lines(source.text);
+        let headers = headers(source, &mut lines)?;
         let mut rows = Vec::new();
-        for row in lines {
-            let row = row?;
+        for line in lines {
+            let row = cells(source, line)?;
             if row.len() != headers.len() {
                 let (found, expected) = (row.len(), headers.len());
                 let span = row[0].span.start..row[row.len() - 1].span.end;
@@ -60,7 +51,7 @@ impl<'s> Data<'s> {
             rows.push(row);
         }
         if rows.is_empty() {
-            return Err(empty());
+            return Err(no_rows(source));
         }
         Ok(Data { source, headers, rows })
     }
@@ -74,19 +65,13 @@ impl<'s> Data<'s> {
         let index = self.find(key)?;
         let header = &self.headers[index];
         let (name, unit_text) = split_header(&header.text);
-        let unit_text = unit_text.ok_or_else(|| {
-            let error = self
-                .error(header, &format!("the column \"{name}\" has no unit, expected {}", kind.expected()));
-            error.hint(format!("write the unit in brackets, as in \"{name} [{}]\"", kind.unit))
-        })?;
-        let unit = Unit::parse(unit_text).map_err(|error| error.at(self.place(header)))?;
-        kind.check(&unit, unit_text).map_err(|error| error.at(self.place(header)))?;
+        let unit = unit_of(&header.text, kind).map_err(|error| error.at(self.place(header)))?;
         let values = self.rows.iter().map(|row| self.number(&row[index], name, &unit));
         let values = values.collect::<Result<Vec<f64>, Error>>()?;
         let decimals = self.rows.iter().map(|row| decimals(&row[index].text)).max().unwrap_or(0);
         Ok(Column {
             name: name.to_string(),
-            unit_text: unit_text.to_string(),
+            unit_text: unit_text.unwrap_or_default().to_string(),
             unit,
             values,
             rounding: unit.to_si(&format!("5e{}", -decimals - 1)),
@@ -153,8 +138,39 @@ impl<'s> Data<'s> {
     }
 }
 
+/// The cells of the first line with data.
+pub(super) fn headers(
+    source: &Source,
+    mut lines: impl Iterator<Item = Range<usize>>,
+) -> Result<Vec<Cell>, Error> {
+    let headers = cells(source, lines.next().ok_or_else(|| no_rows(source))?)?;
+    if let [only] = &headers[..]
+        && let Some(separator) = only.text.chars().find(|c| [';', '\t'].contains(c))
+    {
+        let error = Error::new(format!("cells are separated by {separator:?}, expected ','"));
+        return Err(error.at(source.place(only.span.clone(), "")).hint("decimals are written with a point"));
+    }
+    Ok(headers)
+}
+
+pub(super) fn no_rows(source: &Source) -> Error {
+    Error::new("the file has no rows of data").at(source.place(0..0, ""))
+}
+
+/// The unit of a header, which must be of a kind.
+pub(super) fn unit_of(header: &str, kind: &Kind) -> Result<Unit, Error> {
+    let (name, unit_text) = split_header(header);
+    let unit_text = unit_text.ok_or_else(|| {
+        Error::new(format!("the column \"{name}\" has no unit, expected {}", kind.expected()))
+            .hint(format!("write the unit in brackets, as in \"{name} [{}]\"", kind.unit))
+    })?;
+    let unit = Unit::parse(unit_text)?;
+    kind.check(&unit, unit_text)?;
+    Ok(unit)
+}
+
 /// The lines with data: not blank, no `#` comment.
-fn lines(text: &str) -> impl Iterator<Item = Range<usize>> {
+pub(super) fn lines(text: &str) -> impl Iterator<Item = Range<usize>> {
     let text_start = if text.starts_with('\u{feff}') { 3 } else { 0 }; // byte order mark of spreadsheets
     let mut end = text_start;
     text[text_start..].split_inclusive('\n').filter_map(move |line| {
@@ -166,7 +182,7 @@ fn lines(text: &str) -> impl Iterator<Item = Range<usize>> {
 }
 
 /// The cells of one line; the csv crate reads quotes, and a quoted cell ends with its line.
-fn cells(source: &Source, line: Range<usize>) -> Result<Vec<Cell>, Error> {
+pub(super) fn cells(source: &Source, line: Range<usize>) -> Result<Vec<Cell>, Error> {
     let text = &source.text[line.clone()];
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
@@ -189,7 +205,7 @@ fn cells(source: &Source, line: Range<usize>) -> Result<Vec<Cell>, Error> {
 }
 
 /// `mass [g]` -> (`mass`, `g`).
-fn split_header(header: &str) -> (&str, Option<&str>) {
+pub(super) fn split_header(header: &str) -> (&str, Option<&str>) {
     match header.strip_suffix(']').and_then(|header| header.rsplit_once('[')) {
         Some((name, unit)) => (name.trim(), Some(unit.trim())),
         None => (header, None),

@@ -2,7 +2,8 @@
 
 use super::quantity::rounded;
 use super::{
-    experiment as e, load, materials, parse_experiment, parse_robot, robot, section, templates, tendon,
+    experiment as e, load, materials, parse_command_table, parse_experiment, parse_robot, robot, section,
+    templates, tendon,
 };
 use crate::Error;
 
@@ -83,7 +84,19 @@ fn documented_examples_are_accepted() {
     let [data] = blocks("csv")[..] else {
         panic!("a new example needs a line here");
     };
-    assert_eq!(parse_robot(robot, "format.md").expect("is valid").warnings, []);
+    let robot = parse_robot(robot, "format.md").expect("is valid");
+    assert_eq!(robot.warnings, []);
+    assert_eq!(first_cells(DOCUMENT, "| column | unit").len(), 7);
+    for column in [
+        "tension.a [N]",
+        "displacement.b [mm]",
+        "load.gripper.mass [g]",
+        "load.2.force_per_length y [N/m]",
+        "load.2.moment_per_length z [N]",
+    ] {
+        let commands = parse_command_table(&format!("{column}\n1\n"), "format.md", &robot.value);
+        assert_eq!(commands.expect("is valid").broken, [], "{column}");
+    }
     let [_, _, rod] = templates::bench("example");
     let mut load = |path: &str| match path {
         "rod.toml" => Ok(rod.text.clone()),

@@ -241,7 +241,7 @@ fn kind_of(key: &str) -> &'static Kind {
     if key == "tension" { &FORCE } else { &LENGTH }
 }
 
-fn find(tendons: &[Tendon], name: &str) -> Result<usize, Error> {
+pub(super) fn find(tendons: &[Tendon], name: &str) -> Result<usize, Error> {
     let names: Vec<&str> = tendons.iter().map(|tendon| tendon.name.as_str()).collect();
     names.iter().position(|known| *known == name).ok_or_else(|| {
         let error = Error::new(format!("there is no tendon {}", quoted(name)));
@@ -258,20 +258,30 @@ fn command(key: &str, text: &str, tendon: &Tendon, length: f64) -> Result<Comman
     let value = quantity::scalar(text, kind_of(key))?;
     let motion = Motion::Pulled;
     if key == "tension" {
-        if value < 0.0 {
-            return Err(Error::new(format!("found a tension of {} N, expected 0 N or more", rounded(value)))
-                .hint("a tendon only pulls"));
-        }
+        check_tension(value)?;
         return Ok(Command::Tension { tension: value, motion });
     }
-    if value >= length {
-        let (value, length) = (in_mm(value), in_mm(length));
+    check_displacement(value, tendon, length)?;
+    Ok(Command::Displacement { displacement: value, motion })
+}
+
+pub(super) fn check_tension(tension: f64) -> Result<(), Error> {
+    if tension < 0.0 {
+        return Err(Error::new(format!("found a tension of {} N, expected 0 N or more", rounded(tension)))
+            .hint("a tendon only pulls"));
+    }
+    Ok(())
+}
+
+pub(super) fn check_displacement(displacement: f64, tendon: &Tendon, length: f64) -> Result<(), Error> {
+    if displacement >= length {
+        let (pulled, length) = (in_mm(displacement), in_mm(length));
         return Err(Error::new(format!(
-            "tendon \"{}\" cannot be pulled in by {value}: it is about {length} long",
+            "tendon \"{}\" cannot be pulled in by {pulled}: it is about {length} long",
             tendon.name
         )));
     }
-    Ok(Command::Displacement { displacement: value, motion })
+    Ok(())
 }
 
 fn set_motion(command: &mut Command, new: Motion) {

@@ -124,6 +124,9 @@ impl Unit {
 
     /// A decimal number in this unit, in SI; the power of ten is taken in decimal, so that "34.87 cm" is 0.3487.
     pub(super) fn to_si(self, number: &str) -> f64 {
+        if self.ten == 0 {
+            return number.parse::<f64>().unwrap_or(f64::NAN) * self.factor;
+        }
         let (mantissa, exponent) = number.split_once(['e', 'E']).unwrap_or((number, "0"));
         let exponent = exponent.parse::<i64>().map(|exponent| exponent.saturating_add(self.ten.into()));
         let shifted = match exponent {

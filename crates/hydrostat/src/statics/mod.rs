@@ -61,7 +61,7 @@ impl Default for Settings {
 }
 
 impl Settings {
-    fn check(&self) -> Result<(), Error> {
+    pub(crate) fn check(&self) -> Result<(), Error> {
         if !(1e-12..=1e-2).contains(&self.tolerance) {
             return Err(Error::new(format!("a tolerance of {:e} of the length", self.tolerance))
                 .hint("allowed: 1e-12 to 1e-2; the default is 1e-9"));

@@ -8,10 +8,26 @@ use crate::numeric::blocks::{Front, symmetric};
 use crate::numeric::collocation::Collocation;
 use crate::numeric::larger;
 use nalgebra::{Matrix3, Vector3};
+use std::ops::{Index, IndexMut};
 
 /// What has been eliminated beyond a cut, as a quadratic form in the rotation of the cut and, in a gap, in nu, d and the rotation
 /// of the gap's first plate. Without dead moments only the blocks on and above the diagonal count.
-type Carried = [[Matrix3<f64>; IN_GAP]; IN_GAP];
+#[derive(Clone, Copy, Default)]
+struct Carried([Matrix3<f64>; IN_GAP * IN_GAP]);
+
+impl Index<(usize, usize)> for Carried {
+    type Output = Matrix3<f64>;
+
+    fn index(&self, (row, column): (usize, usize)) -> &Matrix3<f64> {
+        &self.0[row * IN_GAP + column]
+    }
+}
+
+impl IndexMut<(usize, usize)> for Carried {
+    fn index_mut(&mut self, (row, column): (usize, usize)) -> &mut Matrix3<f64> {
+        &mut self.0[row * IN_GAP + column]
+    }
+}
 
 impl Sweep {
     /// The energy's gradient at the placed shape. Returns the largest in units of stiffness / length.
@@ -90,7 +106,7 @@ impl Sweep {
         for k in (0..mesh.panels.len()).rev() {
             let panel = &mesh.panels[k];
             if panel.ends_span {
-                carried[0][0] += point_loads(problem, mesh, k).1;
+                carried[(0, 0)] += point_loads(problem, mesh, k).1;
             }
             if let Some(gap) = panel.gap.filter(|gap| mesh.gaps[*gap].panels.end == k + 1) {
                 self.enter_gap(problem, mesh, gap, &mut carried);
@@ -109,8 +125,8 @@ impl Sweep {
     fn enter_gap(&self, problem: &Problem, mesh: &Mesh, number: usize, carried: &mut Carried) {
         let gap = &mesh.gaps[number];
         let [first, second] = [&mesh.rotations[gap.panels.start], &mesh.rotations[gap.panels.end]];
-        carried[1][2] += Matrix3::identity();
-        carried[2][1] += Matrix3::identity();
+        carried[(1, 2)] += Matrix3::identity();
+        carried[(2, 1)] += Matrix3::identity();
         let chords = gap.chords.clone();
         for (chord, (t, length)) in mesh.chords[chords.clone()].iter().zip(&self.spans[chords]) {
             let tension = problem.tensions[chord.tendon] * chord.share;
@@ -125,16 +141,17 @@ impl Sweep {
             let by_first = first * hole_first;
             let (across_second, across_first) = (across * by_second, across * by_first);
             let of_first_second = by_second.tr_mul(&across_first);
-            carried[0][0] += by_second.tr_mul(&across_second) + symmetric(&(hat(&pull_second) * hole_second));
-            carried[0][2] += across_second.transpose();
-            carried[0][3] += of_first_second;
-            carried[2][2] += across;
-            carried[2][3] += across_first;
-            carried[3][3] += by_first.tr_mul(&across_first) - symmetric(&(hat(&pull_first) * hole_first));
+            carried[(0, 0)] +=
+                by_second.tr_mul(&across_second) + symmetric(&(hat(&pull_second) * hole_second));
+            carried[(0, 2)] += across_second.transpose();
+            carried[(0, 3)] += of_first_second;
+            carried[(2, 2)] += across;
+            carried[(2, 3)] += across_first;
+            carried[(3, 3)] += by_first.tr_mul(&across_first) - symmetric(&(hat(&pull_first) * hole_first));
             if !problem.chain.symmetric {
-                carried[2][0] += across_second;
-                carried[3][0] += of_first_second.transpose();
-                carried[3][2] += across_first.transpose();
+                carried[(2, 0)] += across_second;
+                carried[(3, 0)] += of_first_second.transpose();
+                carried[(3, 2)] += across_first.transpose();
             }
         }
     }
@@ -163,7 +180,7 @@ impl Sweep {
         let negative = front.eliminate(points)?;
         for i in 0..of.size - points {
             for j in 0..of.size - points {
-                carried[i][j] = front.blocks[(points + i) * of.size + points + j];
+                carried[(i, j)] = front.blocks[(points + i) * of.size + points + j];
             }
         }
         Some(negative)
@@ -175,7 +192,7 @@ impl Sweep {
         if symmetric {
             for i in 1..IN_GAP {
                 for j in 0..i {
-                    carried[i][j] = carried[j][i].transpose();
+                    carried[(i, j)] = carried[(j, i)].transpose();
                 }
             }
         }
@@ -184,13 +201,14 @@ impl Sweep {
         let blocks = &mut self.gaps[number].blocks;
         for (i, rows) in ROWS.iter().enumerate() {
             for (j, columns) in ROWS.iter().enumerate() {
-                let entries = rows.iter().flat_map(|row| columns.iter().map(|column| carried[*row][*column]));
+                let entries =
+                    rows.iter().flat_map(|row| columns.iter().map(|column| carried[(*row, *column)]));
                 blocks[i * GAP + j] = entries.sum();
             }
         }
         let negative = Front { blocks, size: GAP, symmetric }.eliminate(GAP_PIVOTS);
         *carried = Carried::default();
-        carried[0][0] = blocks[GAP * GAP - 1];
+        carried[(0, 0)] = blocks[GAP * GAP - 1];
         negative
     }
 }
@@ -237,7 +255,7 @@ fn add_beyond(
     in_gap: bool,
 ) {
     let (points, start) = (table.points.len(), table.points.len());
-    let beyond = &carried[0][0];
+    let beyond = &carried[(0, 0)];
     let across = beyond * end.across;
     let half = 0.5 * end.jacobian.tr_mul(&(hat(slope) * end.across));
     let turn_turn =
@@ -260,7 +278,7 @@ fn add_beyond(
         return;
     }
     for gap in 1..IN_GAP {
-        let (right, left) = (&carried[0][gap], &carried[gap][0]);
+        let (right, left) = (&carried[(0, gap)], &carried[(gap, 0)]);
         let turn_gap = end.jacobian.tr_mul(right);
         let gap_turn = if front.symmetric { Matrix3::zeros() } else { left * end.jacobian };
         for (i, e) in table.end.iter().enumerate() {
@@ -268,9 +286,9 @@ fn add_beyond(
         }
         front.add_pair(start, points + gap, 1.0, &end.across.tr_mul(right), || left * end.across);
         for other in gap..IN_GAP {
-            front.add(points + gap, points + other, 1.0, &carried[gap][other]);
+            front.add(points + gap, points + other, 1.0, &carried[(gap, other)]);
             if !front.symmetric && other > gap {
-                front.add(points + other, points + gap, 1.0, &carried[other][gap]);
+                front.add(points + other, points + gap, 1.0, &carried[(other, gap)]);
             }
         }
     }
