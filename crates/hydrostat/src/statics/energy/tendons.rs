@@ -45,10 +45,13 @@ impl Springs {
 }
 
 impl Drive {
-    /// At rest: no tension.
+    /// At rest: no tension, and no friction of a robot before.
     pub(super) fn rest(&mut self, robot: &Robot) {
         self.tensions.clear();
         self.tensions.resize(robot.tendons.len(), 0.0);
+        self.mean_shares.clear();
+        self.end_shares.clear();
+        self.springs.give.clear();
         self.held.clear();
         for (tendon, command) in robot.actuation.iter().enumerate() {
             if matches!(command, Command::Displacement { .. }) {

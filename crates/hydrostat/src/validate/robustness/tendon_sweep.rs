@@ -140,3 +140,45 @@ impl fmt::Display for TendonSweep {
         write!(f, "largest distance between the methods {:.1e} L (robot {})", self.apart.0, self.apart.1)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A part of `hydrostat validate --full`.
+    #[test]
+    fn three_hundred_random_tendon_robots() {
+        let sweep = tendon_sweep(300, 1);
+        assert!(sweep.faults.is_empty() && sweep.elsewhere.is_empty(), "{sweep}");
+        assert!(sweep.solved >= 298 && sweep.apart.0 <= AGREEMENT, "{sweep}");
+    }
+
+    /// The check must see a length, a tension, a displacement, a wrench and a strain that are a little off.
+    #[test]
+    fn the_check_sees_small_faults_of_tendons() {
+        let spoil: [fn(&mut Equilibrium, f64); 6] = [
+            |e, length| e.tendons[0].length += 1e-5 * length,
+            |e, length| e.tendons[0].displacement += 1e-5 * length,
+            |e, _| e.tendons.iter_mut().for_each(|tendon| tendon.tension *= 1.0 + 1e-4),
+            |e, _| e.tendons[0].tension = -1.0,
+            |e, _| e.stations[50].moment *= 1.0 + 1e-3,
+            |e, _| e.stations[50].u *= 1.0 + 1e-3,
+        ];
+        for index in [1, 23, 68, 312] {
+            let robot = tendon_robot(1, index);
+            let settings = Settings { eigenvalue: false, ..Settings::default() };
+            let found =
+                solve_with_plates(&robot, &settings, &mut Workspace::default()).expect("has an answer");
+            assert!(defects(&robot, &found).largest() <= LARGEST_DEFECT, "robot {index}");
+            for (i, spoil) in spoil.into_iter().enumerate() {
+                let mut spoiled = found.clone();
+                spoil(&mut spoiled, robot.length());
+                let defect = defects(&robot, &spoiled).largest();
+                assert!(
+                    defect > LARGEST_DEFECT || defect.is_nan(),
+                    "fault {i} of robot {index}: {defect:.1e}"
+                );
+            }
+        }
+    }
+}
