@@ -133,6 +133,7 @@ impl Mesh {
         self.panels.clear();
         self.data.clear();
         self.passing.clear();
+        self.middles.clear();
         for (number, (span, layout)) in chain.spans.iter().zip(layouts).enumerate() {
             let length = (span.to - span.from) / layout.parts as f64;
             for part in 0..layout.parts {
@@ -230,7 +231,15 @@ impl Mesh {
         self.rotations.push(*robot.base.rotation.matrix());
         self.positions.clear();
         self.positions.push(robot.base.position);
-        self.rotations.resize(self.panels.len() + 1, Matrix3::identity());
+        for (k, panel) in self.panels.iter().enumerate() {
+            let curvature = self.data[panel.nodes.start].rest_curvature;
+            let turn = RotationVector::new(panel.length * curvature);
+            self.rotations.push(if curvature == Vector3::zeros() {
+                self.rotations[k]
+            } else {
+                self.rotations[k] * turn.rotation()
+            });
+        }
         self.positions.resize(self.panels.len() + 1, Vector3::zeros());
     }
 

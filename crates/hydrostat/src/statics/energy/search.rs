@@ -452,7 +452,7 @@ impl Search<'_> {
     fn difference(&self) -> f64 {
         let Energy { tables, coarse, fine, .. } = &*self.energy;
         let mut largest = 0.0;
-        let same = coarse.panels.len() == fine.panels.len();
+        let same = fine.middles.len() == coarse.panels.len();
         for (k, panel) in coarse.panels.iter().enumerate() {
             let before = if same {
                 [fine.middles[k].0, fine.positions[k + 1]]
