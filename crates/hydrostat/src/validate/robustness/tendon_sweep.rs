@@ -7,6 +7,7 @@ use crate::solution::Method;
 use crate::statics::{Settings, Workspace, solve, solve_in};
 use crate::validate::{Case, Group};
 use crate::{Equilibrium, Error, Robot};
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -38,14 +39,21 @@ const SUBSAMPLE: usize = 20;
 /// Each method is asked for 1e-9 of the length, and held tendons turn an error of their length into ten of a position.
 const AGREEMENT: f64 = 1e-8;
 
-/// Solves and checks the tendon robots 0 to count - 1 of a seed.
+/// Robots that are solved one after the other in the same memory.
+const CHUNK: usize = 20;
+
+/// Solves and checks the tendon robots 0 to count - 1 of a seed, on all cores.
 pub fn tendon_sweep(count: usize, seed: u64) -> TendonSweep {
-    let mut sweep = TendonSweep { count, ..TendonSweep::default() };
-    let mut workspace = Workspace::default();
-    for index in 0..count {
-        sweep.try_one(index, &tendon_robot(seed, index), &mut workspace);
-    }
-    sweep
+    let of_chunk = |chunk: usize| {
+        let (mut sweep, mut workspace) = (TendonSweep::default(), Workspace::default());
+        for index in chunk * CHUNK..count.min((chunk + 1) * CHUNK) {
+            sweep.try_one(index, &tendon_robot(seed, index), &mut workspace);
+        }
+        sweep
+    };
+    let chunks: Vec<TendonSweep> =
+        (0..count.div_ceil(CHUNK)).into_par_iter().with_max_len(1).map(of_chunk).collect();
+    chunks.into_iter().fold(TendonSweep { count, ..TendonSweep::default() }, TendonSweep::with)
 }
 
 /// The solution with a station at every plate, which the check needs.
@@ -64,6 +72,23 @@ pub fn solve_with_plates(
 }
 
 impl TendonSweep {
+    /// Together with the next robots.
+    fn with(mut self, next: TendonSweep) -> TendonSweep {
+        self.solved += next.solved;
+        self.unstable += next.unstable;
+        self.snapped += next.snapped;
+        self.compared += next.compared;
+        for (message, robots) in next.refused {
+            self.refused.entry(message).or_default().extend(robots);
+        }
+        self.faults.extend(next.faults);
+        self.elsewhere.extend(next.elsewhere);
+        self.refused_by_shooting.extend(next.refused_by_shooting);
+        self.worst = worse(self.worst, next.worst);
+        self.apart = worse(self.apart, next.apart);
+        self
+    }
+
     fn try_one(&mut self, index: usize, robot: &Robot, workspace: &mut Workspace) {
         let settings = Settings { eigenvalue: false, ..Settings::default() };
         let found = match solve_with_plates(robot, &settings, workspace) {
