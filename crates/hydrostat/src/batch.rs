@@ -1,8 +1,9 @@
 //! Many commands of one robot, on all cores.
 //!
 //! Rows are solved in chunks of a fixed size, each in memory of its own, so that the answers are the same to the last bit
-//! whatever the number of threads. Every row starts from rest: it is on the primary branch, and knows nothing of the rows
-//! before it. Where threads do not exist (wasm32) one does the work.
+//! whatever the number of threads. Within a chunk a row starts from the shape of the row before, with the cautions of a load
+//! step, and from rest where that does not lead to a stable shape; the last row of a chunk is solved from rest, too, and
+//! where that finds another shape, the whole chunk is. Where threads do not exist (wasm32) one does the work.
 
 use crate::model::{Command, LoadKind, Pose};
 use crate::statics::{self, Settings, Workspace};
@@ -164,17 +165,71 @@ pub fn solve_many(
 }
 
 fn solve_chunk(robot: &Robot, commands: &Commands, settings: &Settings, first: usize) -> Chunk {
+    let warm = try_chunk(robot, commands, settings, first, Start::Previous);
+    warm.unwrap_or_else(|| {
+        try_chunk(robot, commands, settings, first, Start::Rest).expect("from rest nothing is to be compared")
+    })
+}
+
+/// Where a row's solve begins.
+#[derive(Clone, Copy, PartialEq)]
+enum Start {
+    Rest,
+    /// The row before, if that is stable.
+    Previous,
+}
+
+/// None where the last row shows that another branch than from rest was followed.
+fn try_chunk(
+    robot: &Robot,
+    commands: &Commands,
+    settings: &Settings,
+    first: usize,
+    start: Start,
+) -> Option<Chunk> {
     let mut robot = robot.clone();
     let mut workspace = Workspace::default();
     let end = commands.rows().min(first + CHUNK);
     let mut chunk = Chunk::with_capacity(&robot, settings, first, end - first);
+    let mut stable = false;
     for row in first..end {
-        let put = commands.put(row, &mut robot);
-        let solved = put.and_then(|()| statics::solve_in(&robot, settings, &mut workspace));
+        let mut solve = |robot: &Robot| {
+            if start == Start::Previous && stable {
+                let near = statics::solve_near(robot, settings, &mut workspace);
+                if near.as_ref().is_ok_and(|shape| shape.report.stable == Some(true)) {
+                    return near;
+                }
+            }
+            statics::solve_in(robot, settings, &mut workspace)
+        };
+        let solved = commands.put(row, &mut robot).and_then(|()| solve(&robot));
+        if row + 1 == end && stable && !found_from_rest(&robot, settings, &solved, &mut workspace) {
+            return None;
+        }
+        stable =
+            start == Start::Previous && solved.as_ref().is_ok_and(|shape| shape.report.stable == Some(true));
         chunk.push(&robot, settings, solved);
     }
-    chunk
+    Some(chunk)
 }
+
+/// Whether a shape is the one that the unloaded robot leads to; true for an error, which was tried from rest.
+fn found_from_rest(
+    robot: &Robot,
+    settings: &Settings,
+    found: &Result<Equilibrium, Error>,
+    workspace: &mut Workspace,
+) -> bool {
+    let Ok(found) = found else { return true };
+    let bare = Settings { stations: 0, ..settings.clone() };
+    statics::solve_in(robot, &bare, workspace).is_ok_and(|shape| {
+        let apart = (shape.tip.position - found.tip.position).norm();
+        apart <= shape.report.error_estimate + found.report.error_estimate + SAME * robot.length()
+    })
+}
+
+/// Two shapes closer than this, of the length, are one.
+const SAME: f64 = 1e-6;
 
 impl Commands {
     /// Puts a row into the robot.
