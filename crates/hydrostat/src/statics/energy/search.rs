@@ -123,7 +123,8 @@ impl Search<'_> {
                 Some((end, estimate)) if estimate <= tolerance * self.chain.length => {
                     return self.judge(end, estimate, None);
                 }
-                Some(_) if self.begin_anew_here().is_some() => {}
+                // a finer mesh than the last one is needed, or with friction perhaps a coarser one will do
+                Some(_) if !self.rubs() || self.begin_anew_here().is_some() => {}
                 _ => unstable_from = self.start_from_rest()?,
             },
             Start::Rest => unstable_from = self.start_from_rest()?,
