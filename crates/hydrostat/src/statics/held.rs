@@ -20,7 +20,7 @@ const DIFFERENCE: f64 = 3e-3;
 const ROUGH: f64 = 1e-7;
 /// Steps linearised for a robot with tendons, at most: seconds of work. One counts for so many where tendons run in channels and
 /// through guides, and every gap is crossed in turns with the section law.
-const MOST_TENDON_WORK: usize = 40_000;
+const MOST_TENDON_WORK: usize = 100_000;
 const BOTH_ROUTINGS: usize = 10;
 
 /// Shoots under the commanded tensions, and finds those of the held tendons by Newton's method with differences.
