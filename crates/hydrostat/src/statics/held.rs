@@ -1,7 +1,7 @@
 //! Tendons in the shooting method: their lengths, and the tensions of those held by displacement.
 
 use super::report::{self, STATION_POINTS};
-use super::search::Found;
+use super::search::{Found, MOST_WORK};
 use super::section::Pull;
 use super::{Settings, Workspace, shoot};
 use crate::model::{Command, Routing};
@@ -15,8 +15,13 @@ const MOST_ITERATIONS: usize = 15;
 const LENGTH_TOLERANCE: f64 = 0.1;
 /// Part of the last difference of lengths that is still slow.
 const SLOW: f64 = 0.2;
-/// Differences of tensions that bend the robot by about this angle.
+/// Differences of tensions that bend the robot by about this angle, and the accuracy of the shapes between which they are taken.
 const DIFFERENCE: f64 = 3e-3;
+const ROUGH: f64 = 1e-7;
+/// Steps linearised for a robot with tendons, at most: seconds of work. One counts for so many where tendons run in channels and
+/// through guides, and every gap is crossed in turns with the section law.
+const MOST_TENDON_WORK: usize = 100_000;
+const BOTH_ROUTINGS: usize = 10;
 
 /// Shoots under the commanded tensions, and finds those of the held tendons by Newton's method with differences.
 pub(super) fn solve(
@@ -41,6 +46,7 @@ pub(super) fn solve(
     if warm && known.len() == workspace.tensions.len() {
         held.iter().for_each(|&i| workspace.tensions[i] = known[i]);
     }
+    (workspace.work, workspace.most_work) = (0, most_work(robot));
     let mut found = shoot(robot, settings, workspace, warm)?;
     if robot.tendons.is_empty() {
         return Ok((found, Vec::new()));
@@ -49,6 +55,7 @@ pub(super) fn solve(
     let mut lengths = lengths(robot, workspace);
     let tolerance = (LENGTH_TOLERANCE * settings.tolerance).max(1e-12);
     let quick = Settings { eigenvalue: false, tolerance, ..settings.clone() };
+    let rough = Settings { tolerance: tolerance.max(ROUGH), ..quick.clone() };
     let mut s = DMatrix::zeros(held.len(), held.len());
     let mut last_off = 0.0;
     for _ in 0..MOST_ITERATIONS {
@@ -69,15 +76,12 @@ pub(super) fn solve(
         for (column, &j) in held.iter().enumerate().filter(|_| slow) {
             let arm = robot.tendons[j].path.radius.max(1e-3 * workspace.chain.length);
             let change = DIFFERENCE * workspace.chain.stiffness / (arm * workspace.chain.length);
-            let mut at = |tension: f64| -> Result<Vec<f64>, Error> {
-                workspace.tensions[j] = tension;
-                shoot(robot, &quick, workspace, true)?;
-                Ok(self::lengths(robot, workspace))
-            };
-            let (ahead, behind) = (at(tensions[j] + change)?, at(tensions[j] - change)?);
+            workspace.tensions[j] = tensions[j] + change;
+            shoot(robot, &rough, workspace, true)?;
+            let ahead = self::lengths(robot, workspace);
             workspace.tensions[j] = tensions[j];
             for (row, &i) in held.iter().enumerate() {
-                s[(row, column)] = (behind[i] - ahead[i]) / (2.0 * change);
+                s[(row, column)] = (lengths[i] - ahead[i]) / change;
             }
             s[(column, column)] += compliance(robot, j, home[j]);
         }
@@ -93,7 +97,7 @@ pub(super) fn solve(
             }
             match shoot(robot, &quick, workspace, true) {
                 Ok(found) => break found,
-                Err(error) if part < 1e-3 => return Err(error),
+                Err(error) if part < 1e-3 || workspace.work > workspace.most_work => return Err(error),
                 Err(_) => part *= 0.5,
             }
         };
@@ -101,6 +105,16 @@ pub(super) fn solve(
     }
     Err(Error::new("the tensions that hold the tendons at their displacements were not found by shooting")
         .hint("use the energy method, or give tensions"))
+}
+
+/// Steps that shooting may linearise for a robot.
+fn most_work(robot: &Robot) -> usize {
+    let runs = |routing: Routing| robot.tendons.iter().any(|tendon| tendon.routing == routing);
+    match (runs(Routing::Channel), runs(Routing::Guides)) {
+        (false, false) => MOST_WORK,
+        (true, true) => MOST_TENDON_WORK / BOTH_ROUTINGS,
+        _ => MOST_TENDON_WORK,
+    }
 }
 
 fn compliance(robot: &Robot, i: usize, home: f64) -> f64 {

@@ -92,6 +92,9 @@ pub struct Workspace {
     reached: Vec<Node>,
     dead: Sweep<2>,
     follower: Sweep<3>,
+    /// Steps of shooting linearised for the present robot, and at most.
+    work: usize,
+    most_work: usize,
     energy: energy::Energy,
     /// Whether the last solution is the energy method's.
     by_energy: bool,
@@ -209,6 +212,8 @@ fn shoot(robot: &Robot, settings: &Settings, workspace: &mut Workspace, warm: bo
         reached,
         dead,
         follower,
+        work,
+        most_work,
         ..
     } = workspace;
     let warm = warm && steps_per_span.len() == chain.spans.len();
@@ -223,7 +228,8 @@ fn shoot(robot: &Robot, settings: &Settings, workspace: &mut Workspace, warm: bo
         reached,
         order_factor,
         iterations: 0,
-        work: 0,
+        work,
+        most_work: *most_work,
     };
     if chain.follower { search.run(warm, follower) } else { search.run(warm, dead) }
 }

@@ -22,8 +22,9 @@ pub(super) struct Search<'a> {
     /// By how much halving the steps reduces the error; 2^8 in the limit.
     pub(super) order_factor: &'a mut f64,
     pub(super) iterations: usize,
-    /// Steps linearised so far.
-    pub(super) work: usize,
+    /// Steps linearised so far, and at most.
+    pub(super) work: &'a mut usize,
+    pub(super) most_work: usize,
 }
 
 /// What the search found, beside the nodes of the fine mesh.
@@ -49,7 +50,7 @@ const SAFETY: f64 = 3.0;
 /// What is assumed of the reduction by halving before it has been seen.
 const UNSEEN_ORDER_FACTOR: f64 = 128.0;
 /// A search that has linearised so many steps (about a second's work) is given up.
-const MOST_WORK: usize = 1_000_000;
+pub(super) const MOST_WORK: usize = 1_000_000;
 const MAX_STEPS: usize = 20_000;
 /// Newton's corrections must shrink at least by this factor, or the start is too far for the same branch.
 const CONTRACTION: f64 = 0.5;
@@ -181,7 +182,7 @@ impl Search<'_> {
                     self.refine(reached);
                     step *= 4.0;
                 }
-                if step < SMALLEST_LOAD_STEP * factor.max(SMALLEST_LOAD) || self.work > MOST_WORK {
+                if step < SMALLEST_LOAD_STEP * factor.max(SMALLEST_LOAD) || *self.work > self.most_work {
                     return Err(self.not_converged(reached, &outcome.err().unwrap_or_default()));
                 }
             }
@@ -225,8 +226,8 @@ impl Search<'_> {
         for _ in 0..MAX_ITERATIONS {
             let now = mesh.linearise(chain, factor, 1.0, sweep);
             self.iterations += 1;
-            self.work += mesh.steps.len();
-            if self.work > MOST_WORK {
+            *self.work += mesh.steps.len();
+            if *self.work > self.most_work {
                 return Err(Stuck { correction: now.correction });
             }
             let contraction = now.correction / last;
@@ -271,7 +272,10 @@ impl Search<'_> {
             self.coarse.steps.len(),
             stuck.correction
         ))
-        .hint(self.remedy(if self.work > MOST_WORK {
+        .hint(self.remedy(if *self.work > self.most_work && self.most_work < MOST_WORK {
+            "shooting was given up for the work it takes with these tendons: leave out loads that follow the shape or have a \
+             moment, which the energy method does not know, or hold fewer tendons by displacement"
+        } else if *self.work > self.most_work {
             "the search was given up after a million steps: the rod is very soft for its loads; check their units"
         } else {
             "the rod probably snaps or buckles there: lower the loads, or stiffen or shorten the rod"

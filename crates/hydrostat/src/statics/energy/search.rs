@@ -428,11 +428,18 @@ impl Search<'_> {
         let taut = self.energy.memory.drive.taut.clone();
         std::mem::swap(&mut self.energy.coarse, &mut self.energy.fine);
         self.lay();
+        let rubs = self.rubs();
         let Energy { tables, coarse, fine, memory, .. } = &mut *self.energy;
         coarse.prolong(fine, tables);
-        memory.sweep.place(coarse, tables);
-        self.energy.memory.drive.tensions = tensions;
-        self.energy.memory.drive.taut = taut;
+        let Memory { sweep, drive, .. } = memory;
+        sweep.place(coarse, tables);
+        if rubs {
+            // without what friction takes, Newton's method would lead to another shape
+            let (means, ends) = (&mut drive.mean_shares, &mut drive.end_shares);
+            friction::update(self.robot, coarse, sweep, tables, 1.0, means, ends);
+        }
+        drive.tensions = tensions;
+        drive.taut = taut;
     }
 
     /// One more point in every panel, or shorter panels; the mesh of before is in `fine`. Returns whether points were added.

@@ -10,10 +10,14 @@ use std::f64::consts::PI;
 
 /// Total bend of all tendons and loads, were they to act in one plane: at most a full circle.
 const BEND: f64 = 2.0 * PI;
-/// Curvature times the radius of the holes, at most: at 1 a tendon on the inside has no length left.
+/// Curvature times the radius of the holes that all tendons may cause, at most, and that forces may, half of it the weight: at 1 a
+/// tendon on the inside has no length left, and the robot folds about it.
 const CURL: f64 = 0.5;
+const CURL_OF_LOADS: f64 = 0.3;
 /// Compression of a backbone between two guides, tau h^2 / E I, at most; it buckles from about 10 on.
 const GAP_LOAD: f64 = 4.0;
+/// Guides are set closer than evenly by at most this part of their spacing.
+const UNEVEN: f64 = 0.3;
 /// Radius of holes in guides, at least, as a fraction of the length.
 const NARROWEST: f64 = 0.01;
 pub(super) const MOST_TENDONS: usize = 12;
@@ -60,7 +64,10 @@ pub fn tendon_robot(seed: u64, index: usize) -> Robot {
     let radius = (thickness * random.log_uniform(0.5, 10.0)).min(0.1 * length);
     add_tendons(&mut random, &mut robot, radius);
     let bend = random.uniform(0.0, BEND);
-    let of_loads = if random.chance(0.7) { random.uniform(0.0, 0.6) * bend } else { 0.0 };
+    // curvature at the base 2 bend / L by a force at the tip, 3 bend / L by the weight
+    let most_of_loads = CURL_OF_LOADS / 5.0 * length / widest(&robot);
+    let of_loads =
+        if random.chance(0.7) { (random.uniform(0.0, 0.6) * bend).min(most_of_loads) } else { 0.0 };
     add_guides(&mut random, &mut robot, bend);
     add_weight(&mut random, &mut robot, of_loads);
     add_loads(&mut random, &mut robot, of_loads);
@@ -115,13 +122,22 @@ fn add_guides(random: &mut Random, robot: &mut Robot, bend: f64) {
     let length = robot.length();
     let unit = softest(robot) / length.powi(2);
     let radius = robot.tendons.iter().map(|tendon| tendon.path.radius).fold(f64::INFINITY, f64::min);
-    // tau h^2 / E I with tau r L / E I = bend
-    let closest = (GAP_LOAD * radius * length / bend).sqrt();
+    // tau h^2 / E I at the softest place, with the tension of the one tendon that bends by the whole angle
+    let places = places(robot);
+    let bend_per_tension = |tendon: &Tendon| {
+        let end = robot.tendon_end(tendon);
+        let passed = places.iter().filter(|(s, ..)| *s < end);
+        passed
+            .map(|(s, stiffness, step)| tendon.path.hole(s / end, end).0.norm() / stiffness * step)
+            .sum::<f64>()
+    };
+    let weakest = robot.tendons.iter().map(bend_per_tension).fold(f64::INFINITY, f64::min);
+    let closest = (GAP_LOAD * softest(robot) * weakest / bend).sqrt() / (1.0 + UNEVEN);
     for section in &mut robot.sections {
         let count = (3 + random.below(6) as usize).max((section.length / closest).ceil() as usize);
         let spacing = section.length / count as f64;
         let positions = (1..=count)
-            .map(|k| (k as f64 - if k < count { random.uniform(0.0, 0.3) } else { 0.0 }) * spacing);
+            .map(|k| (k as f64 - if k < count { random.uniform(0.0, UNEVEN) } else { 0.0 }) * spacing);
         let positions = positions.collect();
         let mass = if heavy { random.uniform(0.0, 1.0) * unit / (9.81 * count as f64) } else { 0.0 };
         let mass_center = [random.uniform(-1.0, 1.0) * radius, random.uniform(-1.0, 1.0) * radius];
@@ -196,14 +212,21 @@ fn add_loads(random: &mut Random, robot: &mut Robot, bend: f64) {
 fn add_commands(random: &mut Random, robot: &mut Robot, bend: f64) {
     let by = random.below(3);
     let held: Vec<bool> = robot.tendons.iter().map(|_| by == 1 || by == 2 && random.chance(0.5)).collect();
-    let tensions = tensions(random, robot, bend);
-    let displacements = displacements(random, robot, bend);
+    // what tensions and displacements bend adds up
+    let curl = if by == 2 { 0.5 * CURL } else { CURL };
+    let tensions = tensions(random, robot, bend, curl);
+    let displacements = displacements(random, robot, bend, curl);
     robot.actuation = (0..robot.tendons.len())
         .map(|i| match held[i] {
             true => Command::Displacement { displacement: displacements[i], motion: Motion::Pulled },
             false => Command::Tension { tension: tensions[i], motion: Motion::Pulled },
         })
         .collect();
+}
+
+/// Largest radius of a hole.
+fn widest(robot: &Robot) -> f64 {
+    robot.tendons.iter().map(|tendon| tendon.path.radius).fold(0.0, f64::max)
 }
 
 /// Places per section at which stiffness and holes are looked at.
@@ -226,7 +249,7 @@ fn places(robot: &Robot) -> Vec<(f64, f64, f64)> {
 }
 
 /// Tensions that would bend by the given angle if all pulled to one side; a quarter of the tendons hang loose.
-fn tensions(random: &mut Random, robot: &Robot, bend: f64) -> Vec<f64> {
+fn tensions(random: &mut Random, robot: &Robot, bend: f64, curl: f64) -> Vec<f64> {
     let weight = |random: &mut Random| if random.chance(0.25) { 0.0 } else { random.uniform(0.0, 1.0) };
     let shares: Vec<f64> = robot.tendons.iter().map(|_| weight(random)).collect();
     let (mut whole, mut sharpest) = (0.0, 0.0_f64);
@@ -244,24 +267,26 @@ fn tensions(random: &mut Random, robot: &Robot, bend: f64) -> Vec<f64> {
         whole += curvature * step;
         sharpest = sharpest.max(curvature * widest);
     }
-    let scale = (bend / whole).min(CURL / sharpest);
+    let scale = (bend / whole).min(curl / sharpest);
     shares.iter().map(|share| if scale.is_finite() { scale * share } else { 0.0 }).collect()
 }
 
 /// What the tendons are shorter by when every section bends into an arc, the angles adding up to the given; each a little off.
-fn displacements(random: &mut Random, robot: &Robot, bend: f64) -> Vec<f64> {
+fn displacements(random: &mut Random, robot: &Robot, bend: f64, curl: f64) -> Vec<f64> {
     let length = robot.length();
     let shares: Vec<f64> = robot.sections.iter().map(|_| random.uniform(0.0, 1.0)).collect();
     let total: f64 = shares.iter().sum();
-    let widest = robot.tendons.iter().map(|tendon| tendon.path.radius).fold(0.0, f64::max);
+    // a length tells the whole angle, and the softest place bends most
+    let places = places(robot);
+    let softness: f64 = places.iter().map(|(_, stiffness, step)| step / (stiffness * length)).sum();
+    let evenness = places.iter().map(|(_, stiffness, _)| *stiffness).fold(f64::INFINITY, f64::min) * softness;
     let mut arcs: Vec<Vector3<f64>> = Vec::new();
     for (section, share) in robot.sections.iter().zip(&shares) {
         let angle = random.uniform(0.0, 2.0 * PI);
-        let curvature = (bend * share / (total * section.length)).min(CURL / widest);
+        let curvature = (bend * share / (total * section.length)).min(curl * evenness / widest(robot));
         arcs.push(curvature * Vector3::new(angle.cos(), angle.sin(), 0.0));
     }
     let tight = if random.chance(0.3) { random.uniform(0.0, 1e-3) * length } else { 0.0 };
-    let places = places(robot);
     let mut displacements = Vec::new();
     for tendon in &robot.tendons {
         let end = robot.tendon_end(tendon);
