@@ -5,7 +5,7 @@ use crate::model::{Command, CrossSection, Guides, Motion, Path, Routing, Tendon}
 use crate::solution::Method;
 use crate::statics::{self, Settings};
 use crate::{Equilibrium, Robot};
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::PI;
 
 const METHODS: [(Method, &str); 2] = [(Method::Energy, "energy"), (Method::Shooting, "shooting")];
@@ -15,6 +15,8 @@ pub(super) fn cases() -> Vec<Case> {
     cases.extend(published());
     cases.extend(capstan());
     cases.extend(guides());
+    cases.extend(energy());
+    cases.extend(ending_halfway());
     cases
 }
 
@@ -163,4 +165,114 @@ fn guides() -> Vec<Case> {
         Ok(((coarse - channel).norm() / (fine - channel).norm()).log2())
     };
     vec![group.case("observed order", 2.0, order(), 0.2)]
+}
+
+/// A rod with a straight tendon of 0.8 N that ends halfway and a helical one of 2 N to the tip.
+fn halfway() -> Robot {
+    let mut robot = pulled(0.242, 0.8e-3, 210e9, 8e-3, &[(0.3, 0.8), (1.0, 2.0)]);
+    robot.sections[0].length *= 0.5;
+    robot.sections.push(robot.sections[0].clone());
+    robot.tendons[1].ends = 1;
+    robot.tendons[1].path.turns = 1.0;
+    robot
+}
+
+fn energy() -> Vec<Case> {
+    let group = Group {
+        title: "Tendons and energy",
+        source: "Maxwell: dl1/dT2 = dl2/dT1; lengths pulled in and tensions are inverse to each other",
+        reason: "differences of solves to 1e-10 L over 0.02 N; lengths to 1e-10 L",
+    };
+    let mut robot = halfway();
+    robot.gravity = Vector3::new(0.0, -9.81, 0.0);
+    robot.sections.iter_mut().for_each(|section| section.material.density = 7850.0);
+    let slope = |length: usize, tension: usize| {
+        let at = |change: f64| {
+            let mut robot = robot.clone();
+            let Command::Tension { tension, .. } = &mut robot.actuation[tension] else {
+                return Err("commanded by tension".to_owned());
+            };
+            *tension += change;
+            solved(&robot, Method::Energy).map(|e| e.tendons[length].length)
+        };
+        Ok((at(0.01)? - at(-0.01)?) / 0.02)
+    };
+    let asymmetry = || Ok::<f64, String>((slope(0, 1)? - slope(1, 0)?) / slope(1, 0)?.abs());
+    let there_and_back = || {
+        let there = solved(&robot, Method::Energy)?;
+        let mut held = robot.clone();
+        for (command, tendon) in held.actuation.iter_mut().zip(&there.tendons) {
+            *command = Command::Displacement { displacement: tendon.displacement, motion: Motion::Pulled };
+        }
+        Ok::<f64, String>(solved(&held, Method::Energy)?.tendons[1].tension)
+    };
+    vec![
+        group.case("(dl1/dT2 - dl2/dT1) / dl2/dT1", 0.0, asymmetry(), 1e-6),
+        group.case("tension that holds what 2 N pulled in [N]", 2.0, there_and_back(), 1e-6),
+    ]
+}
+
+/// Without loads the whole wrench is zero everywhere, so that the section law gives the strains place by place, kink and all.
+fn ending_halfway() -> Vec<Case> {
+    let group = Group {
+        title: "A straight tendon that ends halfway beside a helical one",
+        source: "section law with zero total wrench by fixed-point iteration, integrated by 4,000 steps of Runge-Kutta",
+        reason: "the solver is asked for 1e-10 L; the integration is exact to 1e-12",
+    };
+    let robot = halfway();
+    let reference = integrated(&robot, 4000);
+    METHODS
+        .into_iter()
+        .flat_map(|(method, name)| {
+            let found = solved(&robot, method);
+            let of = |axis: usize| found.as_ref().map(|e| e.tip.position[axis]).map_err(Clone::clone);
+            ["x", "y", "z"]
+                .into_iter()
+                .enumerate()
+                .map(move |(axis, label)| {
+                    group.case(format!("{name}: tip {label} [m]"), reference[axis], of(axis), 1e-9)
+                })
+                .collect::<Vec<_>>()
+        })
+        .collect()
+}
+
+/// Tip of a robot without loads whose straight rod is pulled by channel tendons.
+fn integrated(robot: &Robot, steps: usize) -> Vector3<f64> {
+    let (shear, bend) = robot.sections[0].stiffness(0.0);
+    let strains = |s: f64, before_end: bool| {
+        let (mut v, mut u) = (Vector3::z(), Vector3::zeros());
+        for _ in 0..60 {
+            let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
+            for (tendon, command) in robot.tendons.iter().zip(&robot.actuation) {
+                let end = robot.tendon_end(tendon);
+                let Command::Tension { tension, .. } = *command else { continue };
+                if s < end * (1.0 - 1e-12) || before_end && s < end * (1.0 + 1e-12) {
+                    let (hole, along) = tendon.path.hole(s / end, end);
+                    let pull = tension * (v + u.cross(&hole) + along).normalize();
+                    force -= pull;
+                    moment -= hole.cross(&pull);
+                }
+            }
+            (v, u) = (Vector3::z() + force.component_div(&shear), moment.component_div(&bend));
+        }
+        (v, u)
+    };
+    let h = robot.length() / steps as f64;
+    let (mut position, mut rotation) = (robot.base.position, *robot.base.rotation.matrix());
+    for step in 0..steps {
+        let s = step as f64 * h;
+        let rate = |rotation: &Matrix3<f64>, (v, u): (Vector3<f64>, Vector3<f64>)| {
+            (rotation * v, rotation * u.cross_matrix())
+        };
+        let [start, middle, end] =
+            [(s, false), (s + 0.5 * h, false), (s + h, true)].map(|(s, end)| strains(s, end));
+        let a = rate(&rotation, start);
+        let b = rate(&(rotation + 0.5 * h * a.1), middle);
+        let c = rate(&(rotation + 0.5 * h * b.1), middle);
+        let d = rate(&(rotation + h * c.1), end);
+        position += h / 6.0 * (a.0 + 2.0 * b.0 + 2.0 * c.0 + d.0);
+        rotation += h / 6.0 * (a.1 + 2.0 * b.1 + 2.0 * c.1 + d.1);
+    }
+    position
 }
