@@ -195,7 +195,7 @@ fn energy() -> Vec<Case> {
             *tension += change;
             solved(&robot, Method::Energy).map(|e| e.tendons[length].length)
         };
-        Ok((at(0.01)? - at(-0.01)?) / 0.02)
+        Ok::<f64, String>((at(0.01)? - at(-0.01)?) / 0.02)
     };
     let asymmetry = || Ok::<f64, String>((slope(0, 1)? - slope(1, 0)?) / slope(1, 0)?.abs());
     let there_and_back = || {
