@@ -23,6 +23,9 @@ pub fn minimise(s: &DMatrix<f64>, b: &DVector<f64>) -> Option<DVector<f64>> {
         free[candidate] = true;
         loop {
             let chosen: Vec<usize> = (0..n).filter(|&i| free[i]).collect();
+            if chosen.is_empty() {
+                return None; // nothing grows although it would gain: `S` is not semi-definite
+            }
             let mut block = DMatrix::from_fn(chosen.len(), chosen.len(), |i, j| s[(chosen[i], chosen[j])]);
             for i in 0..chosen.len() {
                 block[(i, i)] += ridge;
@@ -95,6 +98,7 @@ mod tests {
         for (x, slope) in x.iter().zip(slope.iter()) {
             assert!(*x >= 0.0 && *slope <= 1e-9 && (x * slope).abs() < 1e-9);
         }
+        assert_eq!(minimise(&-DMatrix::<f64>::identity(4, 4), &b), None);
         let regular = s + DMatrix::identity(4, 4);
         let [x, y] =
             [minimise(&regular, &b), complementary(&regular, &b, &[true; 4])].map(|x| x.expect("ends"));
