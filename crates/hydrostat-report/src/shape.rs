@@ -80,11 +80,16 @@ pub fn shape_svg(robot: &Robot, equilibrium: &Equilibrium) -> String {
 
 /// Tension and displacement of every tendon, in its colour; returns where the next line stands.
 fn tendon_legend(page: &mut Canvas, robot: &Robot, equilibrium: &Equilibrium, mut y: f64, width: f64) -> f64 {
+    if robot.tendons.is_empty() {
+        return y;
+    }
+    y += 14.0; // below the titles of the axes
     let mut x = MARGIN;
     for (number, (tendon, state)) in robot.tendons.iter().zip(&equilibrium.tendons).enumerate() {
         let slack = if state.slack { ", slack" } else { "" };
-        let (tension, pulled) = (fixed(state.tension, 2), fixed(1e3 * state.displacement, 2));
-        let text = format!("{}  {tension} N, in {pulled} mm{slack}", tendon.name);
+        let (tension, way) = (fixed(state.tension, 2), fixed(1e3 * state.displacement.abs(), 2));
+        let moved = if state.displacement < 0.0 { "let out" } else { "pulled in" };
+        let text = format!("{}  {tension} N, {moved} {way} mm{slack}", tendon.name);
         let room = 26.0 + SMALL.width(&text) + 22.0;
         if x > MARGIN && x + room > width {
             (x, y) = (MARGIN, y + 18.0);
@@ -93,7 +98,7 @@ fn tendon_legend(page: &mut Canvas, robot: &Robot, equilibrium: &Equilibrium, mu
         page.text([x + 26.0, y], Anchor::Start, SMALL, &text);
         x += room;
     }
-    if robot.tendons.is_empty() { y } else { y + 24.0 }
+    y + 24.0
 }
 
 /// px per m so that both views fit.
