@@ -1,9 +1,10 @@
 //! Many commands of one robot, on all cores.
 //!
 //! Rows are solved in chunks of a fixed size, each in memory of its own, so that the answers are the same to the last bit
-//! whatever the number of threads. Within a chunk a row starts from the shape of the row before, with the cautions of a load
-//! step, and from rest where that does not lead to a stable shape; the last row of a chunk is solved from rest, too, and
-//! where that finds another shape, the whole chunk is. Where threads do not exist (wasm32) one does the work.
+//! whatever the number of threads. Within a chunk a row starts from the shape of the row before, if no cross-section turns
+//! further than in a load step and the shape is stable, and from rest otherwise. The last row of a chunk that did not start
+//! from rest is solved from there, too; where that finds another shape, the whole chunk is solved from rest. A branch left and
+//! found again within one chunk is not seen. Where threads do not exist (wasm32) one does the work.
 
 use crate::model::{Command, LoadKind, Pose};
 use crate::statics::{self, Settings, Workspace};

@@ -98,7 +98,7 @@ pub struct Workspace {
     energy: energy::Energy,
     /// Whether the last solution is the energy method's.
     by_energy: bool,
-    /// Whether `coarse` holds a converged solution.
+    /// Whether the workspace holds a solution.
     warm: bool,
 }
 
@@ -179,6 +179,8 @@ fn run(
     workspace.chain.rebuild(robot);
     if settings.method == Method::Energy && !workspace.chain.follower {
         let Workspace { chain, energy, by_energy, .. } = workspace;
+        // a shape found by shooting is no start
+        let start = if matches!(start, Start::Last) && !*by_energy { Start::Rest } else { start };
         *by_energy = true;
         let found = energy::find(energy, robot, chain, settings, start)?;
         let equilibrium = report::of_energy(robot, settings, chain, energy, &found)?;

@@ -10,7 +10,7 @@ use crate::statics::Settings;
 use crate::statics::chain::Chain;
 use crate::{Error, Robot};
 
-/// What the search found, beside the shape in `Energy::fine`.
+/// What the search found, beside the shape in `Energy::coarse`.
 #[derive(Clone, Debug)]
 pub(in crate::statics) struct Found {
     pub(in crate::statics) residual: f64,
@@ -136,7 +136,7 @@ impl Search<'_> {
             let added = self.refine();
             let end = match self.newton(1.0, 0.1 * tolerance) {
                 Ok(end) => end,
-                Err(_) if restarts < MOST_RESTARTS && matches!(start, Start::Rest) => {
+                Err(_) if restarts < MOST_RESTARTS && !matches!(start, Start::Shape(_)) => {
                     // the panels were too long to believe where they led
                     restarts += 1;
                     let points = self.first_points();
@@ -206,7 +206,7 @@ impl Search<'_> {
         std::mem::swap(&mut memory.drive.taut, &mut taut);
         self.lay();
         let rubs = self.rubs();
-        let Energy { tables, coarse, fine, memory, .. } = &mut *self.energy;
+        let Energy { tables, coarse, fine, reached, memory, .. } = &mut *self.energy;
         let same = fine.data.len() == coarse.data.len()
             && fine.panels.len() == coarse.panels.len()
             && fine.gaps.len() == coarse.gaps.len()
@@ -216,23 +216,30 @@ impl Search<'_> {
             return None;
         }
         coarse.copy_shape(fine);
-        memory.drive.tensions = tensions;
-        memory.drive.taut = taut;
+        reached.clone_from(fine);
+        memory.drive.tensions.clone_from(&tensions);
+        memory.drive.taut.clone_from(&taut);
         if rubs {
-            return self.newton(1.0, target).ok().map(|end| (end, f64::INFINITY));
+            let end = self.newton(1.0, target).ok()?;
+            return (!self.strayed(&end)).then_some((end, f64::INFINITY));
         }
         let equations = Equations { robot: self.robot, chain: self.chain, tables, factor: 1.0 };
         let near = equations.approach(memory, coarse).filter(|correction| *correction <= NEAR);
         self.iterations += 1;
         if near.is_none() {
             self.energy.coarse.copy_shape(&self.energy.fine);
+            self.energy.memory.drive.tensions = tensions;
+            self.energy.memory.drive.taut = taut;
         }
         let Energy { tables, coarse, memory, .. } = &mut *self.energy;
         let equations = Equations { robot: self.robot, chain: self.chain, tables, factor: 1.0 };
         let end = equations.newton(memory, coarse, target, near, &mut self.iterations).ok()?;
+        if self.strayed(&end) {
+            return None;
+        }
         let Seen { tail, error_estimate } = self.energy.seen;
         let growth = (self.energy.coarse.tail(&self.energy.tables) / tail.max(SMALLEST_TAIL)).max(1.0);
-        Some((end, error_estimate * growth * growth))
+        Some((end, error_estimate * growth * growth + end.residual.min(target) * self.chain.length))
     }
 
     /// From the shape that was reached on a fine mesh to the same on the first one, to be refined again.
@@ -340,9 +347,7 @@ impl Search<'_> {
             let target = if factor < 1.0 { ON_THE_WAY } else { ON_THE_WAY.min(self.settings.tolerance) };
             let outcome = self.newton(factor, target);
             let work = (self.iterations - begun) * self.energy.coarse.data.len();
-            let quick = matches!(outcome, Ok(end) if end.contraction <= QUICK);
-            let strayed =
-                outcome.is_ok() && self.turned() > if quick { LARGEST_QUICK_TURN } else { LARGEST_LOAD_TURN };
+            let strayed = matches!(&outcome, Ok(end) if self.strayed(end));
             let unstable = matches!(outcome, Ok(end) if end.negative > 0) && unstable_from.is_none();
             if outcome.is_ok() && !strayed && (!unstable || part < UNSTABLE_BELOW) {
                 reached = factor;
@@ -401,6 +406,12 @@ impl Search<'_> {
             self.bisect();
         }
         self.newton(factor, ON_THE_WAY).map(|_| ())
+    }
+
+    /// Whether a step has turned further than one that surely stays on its branch.
+    fn strayed(&self, end: &Converged) -> bool {
+        let quick = end.contraction <= QUICK;
+        self.turned() > if quick { LARGEST_QUICK_TURN } else { LARGEST_LOAD_TURN }
     }
 
     /// Largest angle between a cut and what it was at the last load step.

@@ -1,4 +1,4 @@
-//! One linearisation of the chain: gradient, Hessian, and their block elimination from tip to base.
+//! The placed shape, the memory of its elimination, and solving with the factors.
 //!
 //! The unknowns of a panel are the turns of its nodes (v is eliminated node by node); its state is the small rotation of
 //! its start. Chords couple the plates of a gap: there the elimination carries, besides the rotation, the force that the
@@ -224,7 +224,7 @@ impl Sweep {
         energy + problem.tensions.iter().zip(lengths).map(|(tension, length)| tension * length).sum::<f64>()
     }
 
-    /// Internal moment at the end of a panel, on its base side, body frame, as [`Sweep::factor`] found it.
+    /// Internal moment at the end of a panel, on its base side, body frame, as [`Sweep::gradient`] found it.
     pub(super) fn end_moment(&self, k: usize) -> Vector3<f64> {
         -self.panels[k].slope
     }
