@@ -3,7 +3,7 @@
 use hydrostat::description::{parse_commands, parse_robot};
 use hydrostat::model::{Command, Motion};
 use hydrostat::solution::Method;
-use hydrostat::statics::{Settings, solve, solve_from};
+use hydrostat::statics::{Settings, Workspace, solve, solve_from, solve_in, solve_near};
 use hydrostat::{Equilibrium, Robot};
 use nalgebra::Vector3;
 
@@ -240,4 +240,18 @@ fn a_displacement_that_tears_the_tendon_is_an_error() {
         let error = solve(&robot, &by(method)).expect_err("tears");
         assert!(error.message().contains("tears"), "{error}");
     }
+}
+
+/// What shooting has found in the same memory is no start for the energy method.
+#[test]
+fn methods_that_share_a_workspace_do_not_mix() {
+    let mut robot = read(SHIPPED[4]);
+    let mut workspace = Workspace::default();
+    solve_in(&robot, &by(Method::Energy), &mut workspace).expect("has an answer");
+    robot.gravity = Vector3::new(3.0, -2.0, 5.0);
+    solve_in(&robot, &by(Method::Shooting), &mut workspace).expect("has an answer");
+    let near = solve_near(&robot, &by(Method::Energy), &mut workspace).expect("has an answer");
+    let apart = (near.tip.position - solved(&robot, Method::Energy).tip.position).norm();
+    assert!(apart < AGREEMENT * robot.length(), "{apart:.1e}");
+    assert!(near.report.iterations > 2, "it starts from rest");
 }
