@@ -146,8 +146,4 @@ fn derivatives_need_the_energy_method() {
     let folder = Folder::with("derivatives_refused", "rod.toml", ROD);
     let by_shooting = folder.run("solve rod.toml --compliance --method shooting");
     by_shooting.refuses(&["derivatives come from the energy method", "solve with the energy method"]);
-    let follower = format!("{ROD}\n[[load]]\nat = \"tip\"\nforce = \"[0.1, 0, 0] N\"\nframe = \"body\"\n");
-    let folder = Folder::with("follower_refused", "rod.toml", follower);
-    let follows = folder.run("solve rod.toml --compliance");
-    follows.refuses(&["loads that follow the shape", "differences of two solves"]);
 }

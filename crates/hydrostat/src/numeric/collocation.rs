@@ -22,6 +22,8 @@ pub struct Collocation {
     pub finish: Row,
     /// Weights of the integral from 0 to 1/2, exact to degree points - 1.
     pub to_middle: Vec<f64>,
+    /// `(points x points)`: weights of the integral from 0 to the i-th point, of the same degree.
+    pub to_point: Vec<f64>,
     /// 1 / product of the differences to the other points.
     scales: Vec<f64>,
 }
@@ -58,6 +60,7 @@ impl Collocation {
             middle: Row::default(),
             finish: Row::default(),
             to_middle: Vec::new(),
+            to_point: Vec::with_capacity(count * count),
             scales,
         };
         for i in 0..count {
@@ -66,14 +69,22 @@ impl Collocation {
         }
         [table.start, table.middle, table.finish] = [0.0, 0.5, 1.0].map(|t| table.row(t));
         table.end = table.finish.value[..count].to_vec();
-        let halves =
-            table.points.iter().zip(&table.weights).map(|(t, weight)| (table.row(0.5 * t), 0.5 * weight));
-        let mut to_middle = vec![0.0; count];
-        for (row, weight) in halves {
-            to_middle.iter_mut().zip(row.inner).for_each(|(sum, inner)| *sum += weight * inner);
+        table.to_middle = table.integral_to(0.5);
+        for i in 0..count {
+            let to_point = table.integral_to(table.points[i]);
+            table.to_point.extend(to_point);
         }
-        table.to_middle = to_middle;
         table
+    }
+
+    /// Weights of the integral from 0 to `end` of the polynomial through the points.
+    fn integral_to(&self, end: f64) -> Vec<f64> {
+        let mut sums = vec![0.0; self.points.len()];
+        for (t, weight) in self.points.iter().zip(&self.weights) {
+            let inner = self.row(end * t).inner;
+            sums.iter_mut().zip(inner).for_each(|(sum, inner)| *sum += end * weight * inner);
+        }
+        sums
     }
 
     /// Lagrange's polynomials at `t`.

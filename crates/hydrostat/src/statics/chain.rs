@@ -16,7 +16,7 @@ pub(super) struct Chain {
     pub(super) follower: bool,
     /// Whether all loads are dead forces, so that the equilibrium is the stationary point of an energy.
     pub(super) conservative: bool,
-    /// Whether no dead moment acts, so that the tangent is symmetric.
+    /// Whether no dead moment and no follower acts, so that the tangent is symmetric.
     pub(super) symmetric: bool,
     /// As [`Robot::plates`].
     pub(super) plates: Vec<f64>,
@@ -39,8 +39,10 @@ pub(super) struct Span {
     force_per_length: Vector3<f64>,
     pub(super) moment_per_length: Vector3<f64>,
     /// Following force and moment per length, body frame.
-    following_force: Vector3<f64>,
-    following_moment: Vector3<f64>,
+    pub(super) following_force: Vector3<f64>,
+    pub(super) following_moment: Vector3<f64>,
+    /// Sum of the following forces beyond the span's end, whatever their direction.
+    following_beyond: f64,
     /// Whether tendons that pass have a weight.
     heavy_tendons: bool,
     /// Their mass per length and its first moment where these are the same all along: parallel tendons.
@@ -144,6 +146,7 @@ impl Chain {
                 moment_per_length: Vector3::zeros(),
                 following_force: Vector3::zeros(),
                 following_moment: Vector3::zeros(),
+                following_beyond: 0.0,
                 heavy_tendons: robot
                     .tendons
                     .iter()
@@ -288,10 +291,14 @@ impl Chain {
             }
             section_start += section.length;
         }
-        let mut beyond = Vector3::zeros();
+        self.symmetric &= !self.follower;
+        let (mut beyond, mut following) = (Vector3::zeros(), 0.0);
         for span in spans.iter_mut().rev() {
             span.force_beyond += beyond;
             beyond = span.dead_force(robot, span.from);
+            following += span.jump.following_force.norm();
+            span.following_beyond = following;
+            following += (span.to - span.from) * span.following_force.norm();
         }
     }
 
@@ -364,7 +371,8 @@ impl Span {
     /// The angle per length that a mesh must resolve: the rest curvature, and sqrt(n / EI), which keeps
     /// conjugate points (pi apart in that angle) on different steps.
     pub(super) fn largest_angle(&self, robot: &Robot) -> f64 {
-        let force = self.dead_force(robot, self.from).norm().max(self.force_beyond.norm());
+        let following = self.following_beyond + (self.to - self.from) * self.following_force.norm();
+        let force = self.dead_force(robot, self.from).norm().max(self.force_beyond.norm()) + following;
         let flexibility =
             [self.from, self.to].map(|s| self.compliance(robot, s).1.amax()).into_iter().fold(0.0, f64::max);
         let of_load = (force * flexibility).sqrt().max(robot.sections[self.section].rest_curvature.norm());
@@ -440,12 +448,16 @@ impl Span {
     }
 }
 
-/// Gauss-Legendre points and weights on [0, 1], exact to degree 7: paths of tendons are smooth.
-const GAUSS: [(f64, f64); 4] = [
-    (0.06943184420297371, 0.17392742256872692),
-    (0.33000947820757187, 0.32607257743127307),
-    (0.6699905217924281, 0.32607257743127307),
-    (0.9305681557970263, 0.17392742256872692),
+/// Gauss-Legendre points and weights on [0, 1], exact to degree 15: paths of tendons are smooth.
+const GAUSS: [(f64, f64); 8] = [
+    (0.019855071751231856, 0.05061426814518815),
+    (0.10166676129318664, 0.11119051722668725),
+    (0.2372337950418355, 0.15685332293894366),
+    (0.4082826787521751, 0.181341891689181),
+    (0.591717321247825, 0.181341891689181),
+    (0.7627662049581645, 0.15685332293894366),
+    (0.8983332387068134, 0.11119051722668725),
+    (0.9801449282487682, 0.05061426814518815),
 ];
 /// Breakpoints closer than this fraction of the length are one.
 const SAME_PLACE: f64 = 1e-12;

@@ -69,10 +69,6 @@ pub fn derivatives(
         return Err(Error::new("derivatives need a solution, and the workspace has none"));
     }
     let Workspace { chain, energy, by_energy, .. } = workspace;
-    if chain.follower {
-        return Err(Error::new("derivatives of a robot with loads that follow the shape are not available")
-            .hint("take differences of two solves, or state those loads in the world frame"));
-    }
     if !*by_energy {
         return Err(Error::new("derivatives come from the energy method, and this was solved by shooting")
             .hint("solve with the energy method, which is the default"));

@@ -11,8 +11,10 @@ use crate::{Error, Robot};
 use nalgebra::{DMatrix, DVector, Vector3};
 
 const MOST_ITERATIONS: usize = 15;
-/// Lengths agree to this part of the tolerance of positions.
-const LENGTH_TOLERANCE: f64 = 0.1;
+/// Shapes are found to this part of the tolerance. Lengths must agree to the second part of it times the distance of the holes: a length
+/// bends the robot by so much more.
+const SHAPE_TOLERANCE: f64 = 0.1;
+const LENGTH_TOLERANCE: f64 = 0.5;
 /// Part of the last difference of lengths that is still slow.
 const SLOW: f64 = 0.2;
 /// Differences of tensions that bend the robot by about this angle, and the accuracy of the shapes between which they are taken.
@@ -53,7 +55,7 @@ pub(super) fn solve(
     }
     let home = home_lengths(robot, workspace);
     let mut lengths = lengths(robot, workspace);
-    let tolerance = (LENGTH_TOLERANCE * settings.tolerance).max(1e-12);
+    let tolerance = (SHAPE_TOLERANCE * settings.tolerance).max(1e-12);
     let quick = Settings { eigenvalue: false, tolerance, ..settings.clone() };
     let rough = Settings { tolerance: tolerance.max(ROUGH), ..quick.clone() };
     let mut s = DMatrix::zeros(held.len(), held.len());
@@ -67,15 +69,17 @@ pub(super) fn solve(
             .zip(&excess)
             .map(|(&i, excess)| if tensions[i] > 0.0 { excess.abs() } else { excess.max(0.0) });
         let off = off.fold(0.0, f64::max);
-        if off <= LENGTH_TOLERANCE * settings.tolerance * workspace.chain.length {
+        let arms = held.iter().map(|&i| arm(robot, i, workspace.chain.length));
+        let near = LENGTH_TOLERANCE * settings.tolerance * arms.fold(workspace.chain.length, f64::min);
+        if off <= near.max(f64::EPSILON * workspace.chain.length) {
             return Ok((found, states(robot, &workspace.tensions, &home, &lengths)));
         }
         // how the lengths follow the tensions, anew where what was known of it leads on too slowly
         let slow = off > SLOW * last_off;
         last_off = off;
         for (column, &j) in held.iter().enumerate().filter(|_| slow) {
-            let arm = robot.tendons[j].path.radius.max(1e-3 * workspace.chain.length);
-            let change = DIFFERENCE * workspace.chain.stiffness / (arm * workspace.chain.length);
+            let length = workspace.chain.length;
+            let change = DIFFERENCE * workspace.chain.stiffness / (arm(robot, j, length) * length);
             workspace.tensions[j] = tensions[j] + change;
             shoot(robot, &rough, workspace, true)?;
             let ahead = self::lengths(robot, workspace);
@@ -115,6 +119,11 @@ fn most_work(robot: &Robot) -> usize {
         (true, true) => MOST_TENDON_WORK / BOTH_ROUTINGS,
         _ => MOST_TENDON_WORK,
     }
+}
+
+/// Distance of a tendon's holes from the backbone, at least a thousandth of the length.
+fn arm(robot: &Robot, i: usize, length: f64) -> f64 {
+    robot.tendons[i].path.radius.max(1e-3 * length)
 }
 
 fn compliance(robot: &Robot, i: usize, home: f64) -> f64 {

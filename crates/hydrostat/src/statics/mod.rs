@@ -128,7 +128,7 @@ pub fn solve_near(
 /// downhill from there, so that the answer is a stable equilibrium nearby.
 ///
 /// # Errors
-/// As [`solve`], and where the loads have no energy or the stations do not span the backbone.
+/// As [`solve`], and where the stations do not span the backbone or the method is not that of the energy.
 pub fn solve_from(robot: &Robot, settings: &Settings, shape: &[Station]) -> Result<Equilibrium, Error> {
     solve_from_in(robot, settings, shape, &mut Workspace::default())
 }
@@ -177,7 +177,7 @@ fn run(
     robot.check()?;
     settings.check()?;
     workspace.chain.rebuild(robot);
-    if settings.method == Method::Energy && !workspace.chain.follower {
+    if settings.method == Method::Energy {
         let Workspace { chain, energy, by_energy, .. } = workspace;
         // a shape found by shooting is no start
         let start = if matches!(start, Start::Last) && !*by_energy { Start::Rest } else { start };
@@ -186,12 +186,6 @@ fn run(
         let equilibrium = report::of_energy(robot, settings, chain, energy, &found)?;
         workspace.warm = true;
         return Ok(equilibrium);
-    }
-    if matches!(start, Start::Shape(_)) {
-        return Err(Error::new(
-            "loads that follow the shape have no energy to start from a given shape with",
-        )
-        .hint("leave the start out: the solver then follows the loads from zero"));
     }
     let warm = matches!(start, Start::Last) && !workspace.by_energy;
     workspace.by_energy = false;

@@ -127,22 +127,15 @@ pub(super) fn station(s: f64, robot: &Robot, chain: &Chain, tensions: &[f64], me
     };
     let (node, displacement) = rod::integrate(&part, 1.0, &mesh.own[k]);
     let section = rod::section_law(&part, rod::END, 1.0, &node);
+    let (force, moment) = section.backbone(&part, &node);
     Station {
         s,
         position: mesh.positions[k] + displacement,
         rotation: node.rotation,
         v: section.v,
         u: section.u,
-        force: if part.pulls.is_empty() {
-            section.force
-        } else {
-            node.rotation * section.backbone_force(&part)
-        },
-        moment: if part.pulls.is_empty() {
-            node.moment
-        } else {
-            node.rotation * section.backbone_moment(&part)
-        },
+        force,
+        moment,
     }
 }
 

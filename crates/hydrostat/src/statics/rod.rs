@@ -29,14 +29,16 @@ pub(super) struct Section {
 }
 
 impl Section {
-    /// K_se (v - v*), body frame, at the end of a step.
-    pub(super) fn backbone_force(&self, step: &Step) -> Vector3<f64> {
-        (self.v - Vector3::z()).component_div(&step.stages[END].shear)
-    }
-
-    /// K_bt (u - u*), body frame, at the end of a step.
-    pub(super) fn backbone_moment(&self, step: &Step) -> Vector3<f64> {
-        (self.u - step.rest_curvature).component_div(&step.stages[END].bend)
+    /// Force and moment in the backbone alone at the end of a step, world frame: of the whole section less the tendons. Of K (v - v*)
+    /// rounding would leave little where the backbone is slender.
+    pub(super) fn backbone(&self, step: &Step, node: &Node) -> (Vector3<f64>, Vector3<f64>) {
+        let (mut force, mut moment) = (self.force, node.moment);
+        for pull in pulls(step, END, 1.0) {
+            let of_tendon = pull.tension * pull.path(&self.v, &self.u).1;
+            force -= node.rotation * of_tendon;
+            moment -= node.rotation * pull.hole.cross(&of_tendon);
+        }
+        (force, moment)
     }
 }
 

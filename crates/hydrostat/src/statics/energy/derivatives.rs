@@ -375,8 +375,7 @@ impl Solution<'_> {
         };
         let kinds =
             |robot: &Robot| -> Vec<_> { robot.actuation.iter().map(std::mem::discriminant).collect() };
-        if chain.spans.len() != self.chain.spans.len() || chain.follower || kinds(robot) != kinds(self.robot)
-        {
+        if chain.spans.len() != self.chain.spans.len() || kinds(robot) != kinds(self.robot) {
             return Err(other());
         }
         mesh.rebuild(robot, &chain, self.layouts, self.tables);

@@ -1,5 +1,6 @@
 //! Gradient and Hessian of the energy at a placed shape, and the block elimination of the Hessian from tip to base.
 
+use super::following::Of;
 use super::mesh::{Mesh, Panel};
 use super::node::{self, Acting, Linearised, Local};
 use super::sweep::{Column, End, GAP, GAP_PIVOTS, IN_GAP, Problem, Sweep};
@@ -11,9 +12,13 @@ use nalgebra::{Matrix3, Vector3};
 use std::ops::{Index, IndexMut};
 
 /// What has been eliminated beyond a cut, as a quadratic form in the rotation of the cut and, in a gap, in nu, d and the rotation
-/// of the gap's first plate. Without dead moments only the blocks on and above the diagonal count.
+/// of the gap's first plate, and the following force there as a linear function of them. Of a symmetric form only the blocks on
+/// and above the diagonal count.
 #[derive(Clone, Copy, Default)]
-struct Carried([Matrix3<f64>; IN_GAP * IN_GAP]);
+struct Carried([Matrix3<f64>; (IN_GAP + 1) * IN_GAP]);
+
+/// Row of the following force.
+const FOLLOWING: usize = IN_GAP;
 
 impl Index<(usize, usize)> for Carried {
     type Output = Matrix3<f64>;
@@ -29,18 +34,27 @@ impl IndexMut<(usize, usize)> for Carried {
     }
 }
 
+impl Carried {
+    fn following(&self) -> &[Matrix3<f64>] {
+        &self.0[FOLLOWING * IN_GAP..]
+    }
+}
+
 impl Sweep {
     /// The energy's gradient at the placed shape. Returns the largest in units of stiffness / length.
     pub(super) fn gradient(&mut self, problem: &Problem, mesh: &Mesh, gradient: &mut Column) -> f64 {
         gradient.clear(mesh);
         self.locals.clear();
+        self.follow(problem, mesh);
         self.pull_chords(problem, mesh, gradient);
         for (node, data) in mesh.data.iter().enumerate() {
             let passing = &mesh.passing[data.passing.clone()];
             let acting = Acting {
                 force: problem.factor * data.force
-                    + data.gap.map_or(Vector3::zeros(), |gap| self.gaps[gap].force),
+                    + data.gap.map_or(Vector3::zeros(), |gap| self.gaps[gap].force)
+                    + if mesh.follows { self.following_forces[node] } else { Vector3::zeros() },
                 moment_per_length: problem.factor * data.moment_per_length,
+                following_moment: problem.factor * data.following_moment,
                 gravity: problem.factor * problem.gravity,
             };
             let shape = &self.shapes[node];
@@ -113,7 +127,7 @@ impl Sweep {
             }
             negative += self.eliminate_panel(problem, mesh, k, shift, &mut carried)?;
             if let Some(gap) = panel.gap.filter(|gap| mesh.gaps[*gap].panels.start == k) {
-                negative += self.leave_gap(problem, gap, &mut carried)?;
+                negative += self.leave_gap(problem, mesh, gap, &mut carried)?;
             }
         }
         // every gap's nu is a multiplier, with three negative pivots of its own
@@ -171,23 +185,50 @@ impl Sweep {
         let blocks = &mut self.fronts[of.blocks..of.blocks + of.size * of.size];
         blocks.fill(Matrix3::zeros());
         let mut front = Front { blocks, size: of.size, symmetric: problem.chain.symmetric };
+        let unknown = panel.gap.is_some() || mesh.follows;
         for node in panel.nodes.clone() {
             let (data, shape, local) = (&mesh.data[node], &self.shapes[node], &self.locals[node]);
-            self.models[node] = node::linearise(data, shape, local, shift, panel.gap.is_some());
+            self.models[node] = node::linearise(data, shape, local, shift, unknown);
             assemble(&mut front, panel, table, node - panel.nodes.start, data.weight, &self.models[node]);
         }
         add_beyond(&mut front, table, &of.end, &of.slope, carried, panel.gap.is_some());
+        if mesh.follows {
+            let nodes = panel.nodes.clone();
+            let of = Of {
+                panel,
+                table,
+                end: &of.end,
+                end_rotation: &mesh.rotations[k + 1],
+                data: &mesh.data[nodes.clone()],
+                shapes: &self.shapes[nodes.clone()],
+                models: &self.models[nodes],
+                following: &self.following[k],
+            };
+            of.add(&mut front, carried.following());
+        }
         let negative = front.eliminate(points)?;
-        for i in 0..of.size - points {
-            for j in 0..of.size - points {
+        let state = of.size - points - usize::from(mesh.follows);
+        for i in 0..state {
+            for j in 0..state {
                 carried[(i, j)] = front.blocks[(points + i) * of.size + points + j];
+            }
+        }
+        if mesh.follows {
+            for j in 0..state {
+                carried[(FOLLOWING, j)] = front.blocks[(points + state) * of.size + points + j];
             }
         }
         Some(negative)
     }
 
     /// Joins the panel's start with the gap's first plate and eliminates nu and d.
-    fn leave_gap(&mut self, problem: &Problem, number: usize, carried: &mut Carried) -> Option<usize> {
+    fn leave_gap(
+        &mut self,
+        problem: &Problem,
+        mesh: &Mesh,
+        number: usize,
+        carried: &mut Carried,
+    ) -> Option<usize> {
         let symmetric = problem.chain.symmetric;
         if symmetric {
             for i in 1..IN_GAP {
@@ -197,18 +238,23 @@ impl Sweep {
             }
         }
         // rows of the gap's front among the carried ones; the rotation appears twice there
-        const ROWS: [&[usize]; GAP] = [&[1], &[2], &[0, 3]];
-        let blocks = &mut self.gaps[number].blocks;
-        for (i, rows) in ROWS.iter().enumerate() {
-            for (j, columns) in ROWS.iter().enumerate() {
+        const ROWS: [&[usize]; GAP + 1] = [&[1], &[2], &[0, 3], &[FOLLOWING]];
+        let size = GAP + usize::from(mesh.follows);
+        let blocks = &mut self.gaps[number].blocks[..size * size];
+        blocks.fill(Matrix3::zeros());
+        for (i, rows) in ROWS[..size].iter().enumerate() {
+            for (j, columns) in ROWS[..GAP].iter().enumerate() {
                 let entries =
                     rows.iter().flat_map(|row| columns.iter().map(|column| carried[(*row, *column)]));
-                blocks[i * GAP + j] = entries.sum();
+                blocks[i * size + j] = entries.sum();
             }
         }
-        let negative = Front { blocks, size: GAP, symmetric }.eliminate(GAP_PIVOTS);
+        let negative = Front { blocks, size, symmetric }.eliminate(GAP_PIVOTS);
         *carried = Carried::default();
-        carried[(0, 0)] = blocks[GAP * GAP - 1];
+        carried[(0, 0)] = blocks[GAP_PIVOTS * size + GAP_PIVOTS];
+        if mesh.follows {
+            carried[(FOLLOWING, 0)] = blocks[GAP * size + GAP_PIVOTS];
+        }
         negative
     }
 }
@@ -236,13 +282,14 @@ fn turns_residual(
 /// Gradient and Hessian of the point loads at the end of panel `k` with respect to the rotation there.
 fn point_loads(problem: &Problem, mesh: &Mesh, k: usize) -> (Vector3<f64>, Matrix3<f64>) {
     let jump = &problem.chain.spans[mesh.panels[k].span].jump;
-    if jump.moment == Vector3::zeros() && jump.hung == Vector3::zeros() {
+    if [jump.moment, jump.hung, jump.following_moment].iter().all(|load| *load == Vector3::zeros()) {
         return (Vector3::zeros(), Matrix3::zeros());
     }
     let to_body = problem.factor * mesh.rotations[k + 1].transpose();
     let (moment, weight) = (to_body * jump.moment, to_body * problem.gravity);
-    let slope = -moment - jump.hung.cross(&weight);
-    (slope, -0.5 * hat(&moment) - symmetric(&(hat(&weight) * hat(&jump.hung))))
+    let following = problem.factor * jump.following_moment;
+    let slope = -moment - following - jump.hung.cross(&weight);
+    (slope, 0.5 * hat(&(following - moment)) - symmetric(&(hat(&weight) * hat(&jump.hung))))
 }
 
 /// Adds what lies beyond the end of a panel to its front.

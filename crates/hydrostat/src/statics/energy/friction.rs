@@ -98,15 +98,10 @@ impl Along {
                     paths.iter().zip(slopes).map(|(path, slope)| slope * path.1).sum::<Vector3<f64>>().norm()
                 })
                 .collect();
-            for (i, (&p, path)) in passing.iter().zip(&paths).enumerate() {
+            let to_points = table.to_point.chunks_exact(paths.len());
+            for (i, ((&p, path), to_point)) in passing.iter().zip(&paths).zip(to_points).enumerate() {
                 // the polynomial through the rates, integrated to the node
-                let to = table.points[i];
-                let within: f64 = (table.points.iter().zip(&table.weights))
-                    .map(|(t, weight)| {
-                        let inner = table.row(t * to).inner;
-                        weight * to * rates.iter().zip(inner).map(|(rate, inner)| inner * rate).sum::<f64>()
-                    })
-                    .sum();
+                let within: f64 = rates.iter().zip(to_point).map(|(rate, weight)| weight * rate).sum();
                 let turned = self.turned + within;
                 let length = table.weights[i] * panel.length * path.0;
                 self.share(&mut mesh.passing[p].share, turned, length);

@@ -39,6 +39,8 @@ pub(super) struct NodeData {
     pub(super) force: Vector3<f64>,
     /// Dead moment per length, world frame.
     pub(super) moment_per_length: Vector3<f64>,
+    /// Following moment per length, body frame.
+    pub(super) following_moment: Vector3<f64>,
     /// First moment of the mass per length, body frame.
     pub(super) mass_moment: Vector3<f64>,
     /// The channel tendons that pass, among `Mesh::passing`.
@@ -97,6 +99,8 @@ pub(super) struct Mesh {
     /// At the panels' starts and at the tip (panels + 1).
     pub(super) rotations: Vec<Matrix3<f64>>,
     pub(super) positions: Vec<Vector3<f64>>,
+    /// Whether loads follow the shape.
+    pub(super) follows: bool,
     /// Position and rotation at the panels' middles, where Newton's method ended.
     pub(super) middles: Vec<(Vector3<f64>, Matrix3<f64>)>,
 }
@@ -134,6 +138,7 @@ impl Mesh {
         self.data.clear();
         self.passing.clear();
         self.middles.clear();
+        self.follows = chain.follower;
         for (number, (span, layout)) in chain.spans.iter().zip(layouts).enumerate() {
             let length = (span.to - span.from) / layout.parts as f64;
             for part in 0..layout.parts {
@@ -176,6 +181,7 @@ impl Mesh {
             rest_curvature: section.rest_curvature,
             force: of.dead_force(robot, s),
             moment_per_length: of.moment_per_length,
+            following_moment: of.following_moment,
             mass_moment: of.mass_moment(robot, s),
             passing: first..self.passing.len(),
             gap: None,

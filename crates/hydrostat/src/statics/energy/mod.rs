@@ -6,6 +6,7 @@
 
 mod derivatives;
 mod factor;
+mod following;
 mod friction;
 mod mesh;
 mod newton;

@@ -45,9 +45,11 @@ impl Shape {
 
 /// What acts on a node beside the elastic law, world frame, with the load factor in it.
 pub(super) struct Acting {
-    /// Dead force beyond, less what the chords carry.
+    /// Force beyond, less what the chords carry.
     pub(super) force: Vector3<f64>,
     pub(super) moment_per_length: Vector3<f64>,
+    /// Of following moments, body frame.
+    pub(super) following_moment: Vector3<f64>,
     pub(super) gravity: Vector3<f64>,
 }
 
@@ -96,6 +98,7 @@ pub(super) struct Local {
     force: Vector3<f64>,
     weight: Vector3<f64>,
     dead_moment: Vector3<f64>,
+    following_moment: Vector3<f64>,
     /// Of the conservative forces about the section.
     moment: Vector3<f64>,
 }
@@ -121,6 +124,7 @@ impl Local {
             pulled,
             moment: shape.v.cross(&force) + data.mass_moment.cross(&weight),
             dead_moment: to_body(&acting.moment_per_length, data.moment_per_length != Vector3::zeros()),
+            following_moment: acting.following_moment,
             force,
             weight,
         }
@@ -129,7 +133,7 @@ impl Local {
     /// The energy's gradient for the weight of the node, theory (31).
     pub(super) fn gradient(&self, data: &NodeData, shape: &Shape) -> Form {
         let u_v = data.shear.component_mul(&(shape.v - Vector3::z())) + self.pulled.force;
-        let moment = data.weight * (self.moment + self.dead_moment);
+        let moment = data.weight * (self.moment + self.dead_moment + self.following_moment);
         let u_u = data.weight * self.u_u;
         Form {
             v: data.weight * (u_v - self.force),
@@ -142,16 +146,16 @@ impl Local {
 }
 
 /// The Hessian at a node per unit weight with `shift` times the elastic part added, v eliminated. The blocks of the force beyond
-/// are filled where `chords` run beside the node.
+/// are filled where that force is `unknown`: beside chords, and before followers.
 pub(super) fn linearise(
     data: &NodeData,
     shape: &Shape,
     local: &Local,
     shift: f64,
-    chords: bool,
+    unknown: bool,
 ) -> Linearised {
     let stiffer = 1.0 + shift;
-    let Local { pulled, u_u, force, weight, moment, dead_moment } = local;
+    let Local { pulled, u_u, force, weight, moment, dead_moment, following_moment } = local;
     let (jacobian, b, back) = (&shape.jacobian, &shape.turn_u, &shape.since_start);
     let free = data.passing.is_empty();
 
@@ -214,7 +218,12 @@ pub(super) fn linearise(
         model.turn_start += follow * back.transpose();
         model.start_start -= 0.5 * hat(&(back * dead_moment));
     }
-    if chords {
+    if *following_moment != Vector3::zeros() {
+        model.turn_turn -= shape.turn.transpose_differential(following_moment);
+        model.start_turn += back * hat(following_moment) * jacobian;
+        model.start_start += 0.5 * hat(&(back * following_moment));
+    }
+    if unknown {
         let to_body = shape.rotation.transpose();
         let of_force = v_v_inverse * to_body;
         let turned_force = v_turned.tr_mul(&of_force) - hat(&shape.v) * to_body;

@@ -37,14 +37,15 @@ impl Energy {
         let chords = memory.sweep.chord_force(panel);
         let (end, rest) = (panel.from + panel.length, (panel.from + panel.length - s).max(0.0));
         let (_, bend) = robot.sections[span.section].stiffness(span.fraction(robot, s));
-        let force = (span.dead_force(robot, s) + chords).norm();
+        let following = memory.sweep.following.get(k).map_or(Vector3::zeros(), |of| of.beyond);
+        let force = (span.dead_force(robot, s) + chords + following).norm();
         let per_length = (force / bend.min()).sqrt().max(span.largest_angle(robot));
         let angle = rest * per_length.max(LARGEST_TURN / panel.length);
         let parts = (angle / STATION_ANGLE).ceil().max(1.0);
         let mut node = Node {
             rotation: coarse.rotations[k + 1],
             moment: coarse.rotations[k + 1] * memory.sweep.end_moment(k),
-            force: Vector3::zeros(),
+            force: following,
         };
         let mut position = coarse.positions[k + 1];
         let mut step = self.step_with_chords(robot, span, k, end, -rest / parts);
@@ -56,15 +57,8 @@ impl Energy {
             (node, position) = (next, position + displacement);
         }
         let section = rod::section_law(&step, rod::END, 1.0, &node);
-        Station {
-            s,
-            position,
-            rotation: node.rotation,
-            v: section.v,
-            u: section.u,
-            force: node.rotation * section.backbone_force(&step),
-            moment: node.rotation * section.backbone_moment(&step),
-        }
+        let (force, moment) = section.backbone(&step, &node);
+        Station { s, position, rotation: node.rotation, v: section.v, u: section.u, force, moment }
     }
 
     /// A step within panel `k`, under the chords beside it and the tensions that friction leaves.

@@ -521,7 +521,9 @@ impl Search<'_> {
         } else {
             equations.residual(memory, coarse)
         };
-        let smallest_eigenvalue = self.settings.eigenvalue.then(|| self.smallest_eigenvalue());
+        // of loads that follow there is no energy whose eigenvalues would tell
+        let judges = self.settings.eigenvalue && !self.chain.follower;
+        let smallest_eigenvalue = judges.then(|| self.smallest_eigenvalue());
         Ok(Found {
             residual,
             error_estimate,

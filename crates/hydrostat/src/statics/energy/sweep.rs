@@ -4,11 +4,12 @@
 //! its start. Chords couple the plates of a gap: there the elimination carries, besides the rotation, the force that the
 //! chords take (nu), the displacement between the plates (d) and the rotation of the first plate, until the gap begins.
 
+use super::following::Following;
 use super::mesh::{Mesh, Panel, Tables};
 use super::node::{Form, Linearised, Local, Shape};
 use crate::geometry::RotationVector;
 use crate::numeric::blocks;
-use crate::numeric::collocation::Collocation;
+use crate::numeric::collocation::{Collocation, MOST};
 use crate::numeric::larger;
 use crate::statics::chain::Chain;
 use nalgebra::{Matrix3, Vector3};
@@ -26,10 +27,11 @@ pub(super) struct Problem<'a> {
     pub(super) tensions: &'a [f64],
 }
 
-/// Blocks of a panel's front behind its turns: the rotation of its start, and in a gap nu, d and the rotation of the first plate.
+/// Blocks of a panel's front behind its turns: the rotation of its start, and in a gap nu, d and the rotation of the first plate. With
+/// followers one more row: their force beyond the start.
 pub(super) const STATE: usize = 1;
 pub(super) const IN_GAP: usize = 4;
-/// Blocks of a gap's own elimination: nu and d, then the rotation of its first plate.
+/// Blocks of a gap's own elimination: nu and d, then the rotation of its first plate, and with followers their force.
 pub(super) const GAP: usize = 3;
 pub(super) const GAP_PIVOTS: usize = 2;
 
@@ -45,6 +47,11 @@ pub(super) struct Sweep {
     pub(super) gaps: Vec<GapFront>,
     /// Direction and length of every chord.
     pub(super) spans: Vec<(Vector3<f64>, f64)>,
+    /// Of every panel, and the following force beyond every node, world frame; empty without followers.
+    pub(super) following: Vec<Following>,
+    pub(super) following_forces: Vec<Vector3<f64>>,
+    /// Change of the following force at the base by the last step.
+    at_base: Vector3<f64>,
     /// Right-hand sides on their way through the fronts.
     right: Vec<Vector3<f64>>,
 }
@@ -73,8 +80,8 @@ pub(super) struct End {
 /// The elimination of a gap's nu and d, the force that its chords carry, and the gradient with respect to its plates.
 #[derive(Clone, Debug, Default)]
 pub(super) struct GapFront {
-    pub(super) blocks: [Matrix3<f64>; GAP * GAP],
-    right: [Vector3<f64>; GAP],
+    pub(super) blocks: [Matrix3<f64>; (GAP + 1) * (GAP + 1)],
+    right: [Vector3<f64>; GAP + 1],
     pub(super) force: Vector3<f64>,
     pub(super) first_plate: Vector3<f64>,
     pub(super) second_plate: Vector3<f64>,
@@ -187,7 +194,8 @@ impl Sweep {
             let turn = RotationVector::new(mesh.end_turn(panel, table));
             let since_start = turn.rotation();
             let end = End { across: since_start.transpose(), jacobian: turn.jacobian(), turn };
-            let size = panel.nodes.len() + if panel.gap.is_some() { IN_GAP } else { STATE };
+            let state = if panel.gap.is_some() { IN_GAP } else { STATE };
+            let size = panel.nodes.len() + state + usize::from(mesh.follows);
             self.panels.push(PanelFront { blocks, rows, size, end, slope: Vector3::zeros() });
             (blocks, rows) = (blocks + size * size, rows + size);
             mesh.rotations[k + 1] = start * since_start;
@@ -242,6 +250,9 @@ impl Sweep {
 
     fn tip_to_base(&mut self, mesh: &Mesh, tables: &Tables, right: &Column) {
         let (mut state, mut in_gap) = (Vector3::zeros(), [Vector3::zeros(); 3]);
+        // the following force is what was carried of the unknowns less this
+        let mut follows = Vector3::zeros();
+        let gap_size = GAP + usize::from(mesh.follows);
         for k in (0..mesh.panels.len()).rev() {
             let panel = &mesh.panels[k];
             let PanelFront { blocks, rows, size, end, .. } = self.panels[k];
@@ -266,23 +277,43 @@ impl Sweep {
                 }
                 start += form.start;
                 in_gap[0] += form.force;
+                if mesh.follows {
+                    let (model, weight) = (&self.models[node], mesh.data[node].weight);
+                    rows[local] += weight * (model.turn_force * follows);
+                    let rate = (weight / panel.length) * (model.rate_force * follows);
+                    for (row, d) in
+                        rows.iter_mut().zip(&table.derivative[local * points..(local + 1) * points])
+                    {
+                        *row += *d * rate;
+                    }
+                    start += weight * (model.start_force * follows);
+                    in_gap[0] += weight * (model.force_force * follows);
+                }
             }
             rows[points] = start;
             if panel.gap.is_some() {
-                rows[points + 1..].copy_from_slice(&in_gap);
+                rows[points + STATE..points + IN_GAP].copy_from_slice(&in_gap);
+            }
+            if mesh.follows {
+                rows[size - 1] = follows;
             }
             blocks::forward(&self.fronts[blocks..blocks + size * size], size, points, rows);
             state = rows[points];
+            if mesh.follows {
+                follows = rows[size - 1];
+            }
             if let Some(gap) = panel.gap {
-                in_gap.copy_from_slice(&rows[points + 1..]);
+                in_gap.copy_from_slice(&rows[points + STATE..points + IN_GAP]);
                 if mesh.gaps[gap].panels.start == k {
                     let front = &mut self.gaps[gap];
-                    front.right = [in_gap[0], in_gap[1], state + in_gap[2]];
-                    blocks::forward(&front.blocks, GAP, GAP_PIVOTS, &mut front.right);
+                    front.right = [in_gap[0], in_gap[1], state + in_gap[2], follows];
+                    blocks::forward(&front.blocks, gap_size, GAP_PIVOTS, &mut front.right[..gap_size]);
                     state = front.right[GAP_PIVOTS];
+                    follows = front.right[GAP];
                 }
             }
         }
+        self.at_base = -follows;
     }
 
     fn base_to_tip(&mut self, mesh: &Mesh, tables: &Tables, right: &Column, step: &mut Step) {
@@ -292,6 +323,8 @@ impl Sweep {
         step.cuts[0] = Vector3::zeros();
         step.size = 0.0;
         let mut in_gap = [Vector3::zeros(); 3];
+        let (mut follows, mut following) = (self.at_base, [Vector3::zeros(); MOST]);
+        let gap_size = GAP + usize::from(mesh.follows);
         for k in 0..mesh.panels.len() {
             let panel = &mesh.panels[k];
             let PanelFront { blocks, rows, size, end, .. } = self.panels[k];
@@ -299,18 +332,24 @@ impl Sweep {
             let start = step.cuts[k];
             if let Some(gap) = panel.gap.filter(|gap| mesh.gaps[*gap].panels.start == k) {
                 let front = &self.gaps[gap];
-                let mut values = [front.right[0], front.right[1], start];
-                blocks::backward(&front.blocks, GAP, GAP_PIVOTS, &mut values);
-                in_gap = values;
+                let mut values = [front.right[0], front.right[1], start, Vector3::zeros()];
+                blocks::backward(&front.blocks, gap_size, GAP_PIVOTS, &mut values[..gap_size]);
+                in_gap.copy_from_slice(&values[..GAP]);
             }
             let rows = &mut self.right[rows..rows + size];
             rows[points] = start;
             if panel.gap.is_some() {
-                rows[points + 1..].copy_from_slice(&in_gap);
+                rows[points + STATE..points + IN_GAP].copy_from_slice(&in_gap);
+            }
+            if mesh.follows {
+                rows[size - 1] = Vector3::zeros();
             }
             blocks::backward(&self.fronts[blocks..blocks + size * size], size, points, rows);
-            let turns = &mut step.turn[panel.nodes.clone()];
-            turns.copy_from_slice(&rows[..points]);
+            step.turn[panel.nodes.clone()].copy_from_slice(&rows[..points]);
+            if mesh.follows {
+                self.follow_step(mesh, tables, k, step, &mut follows, &mut following[..points]);
+            }
+            let turns = &step.turn[panel.nodes.clone()];
             let force = if panel.gap.is_some() { in_gap[0] } else { Vector3::zeros() };
             let mut turned = Vector3::zeros();
             for (local, node) in panel.nodes.clone().enumerate() {
@@ -320,7 +359,7 @@ impl Sweep {
                     turn,
                     rate: rate_of(panel, table, local, turns),
                     start,
-                    force,
+                    force: force + following[local],
                 };
                 // the model is per unit weight
                 let form = right.nodes[node].v / mesh.data[node].weight;
@@ -331,6 +370,9 @@ impl Sweep {
             }
             step.cuts[k + 1] = end.across * start + end.jacobian * turned;
             step.size = larger(step.size, step.cuts[k + 1].norm_squared());
+            if mesh.follows {
+                follows += self.follow_end(mesh, k, step);
+            }
         }
         step.size = step.size.sqrt();
     }
