@@ -1,5 +1,6 @@
 //! Numerical methods that know no robot.
 
+pub mod anderson;
 pub mod blocks;
 pub mod collocation;
 pub mod nonnegative;

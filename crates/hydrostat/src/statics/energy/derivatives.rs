@@ -10,6 +10,7 @@ use super::tendons::{self, Drive};
 use super::{Energy, Memory, friction};
 use crate::geometry::RotationVector;
 use crate::model::Command;
+use crate::numeric::anderson::Anderson;
 use crate::numeric::larger;
 use crate::solution::{Derivative, PoseDerivative, TendonDerivative};
 use crate::statics::chain::Chain;
@@ -85,16 +86,9 @@ struct Answer {
     stretch: Vec<f64>,
 }
 
-/// What friction does when the shape changes: to the gradient, and to the stretch of each tendon.
-struct Rubbed {
-    pull: Column,
-    stretch: Vec<f64>,
-}
-
-/// Turns of shape and friction, the relative change that ends them, and one that shrinks too slowly.
-const MOST_TURNS: usize = 200;
+/// Turns of shape and friction, and the relative change that ends them.
+const MOST_TURNS: usize = 50;
 const SETTLED: f64 = 1e-10;
-const SLOW: f64 = 0.7;
 /// Turn of a difference along a variation, rad.
 const SMALL: f64 = 1e-5;
 
@@ -233,64 +227,61 @@ impl Solution<'_> {
     /// With friction the tensions along the tendons follow the shape, and the shape follows them: in turns, as the solution was found,
     /// theory (42).
     fn rub(&mut self, border: &Border, push: &Push) -> Result<Answer, Error> {
-        let (mut part, mut last) = (1.0, f64::INFINITY);
-        let mut answer = self.hold(border, &push.right, &push.excess);
+        let (mut anderson, mut change) = (Anderson::default(), f64::INFINITY);
+        let mut rubbed = vec![0.0; self.mesh.shares().len() + self.robot.tendons.len()];
         for _ in 0..MOST_TURNS {
-            let rubbed = self.rubbed(&answer.step);
+            let (pull, stretch) = self.of_rubbed(&rubbed);
             let mut right = push.right.clone();
-            add(&mut right, -1.0, &rubbed.pull);
-            let excess: Vec<f64> = push.excess.iter().zip(&rubbed.stretch).map(|(a, b)| a - b).collect();
-            let mut next = self.hold(border, &right, &excess);
-            next.stretch = rubbed.stretch;
-            let mut way = next.step.clone();
-            way.add(-1.0, &answer.step);
-            let change = size(&way) / size(&next.step).max(f64::MIN_POSITIVE);
-            if change <= SETTLED {
-                return Ok(next);
+            add(&mut right, -1.0, &pull);
+            let excess: Vec<f64> = push.excess.iter().zip(&stretch).map(|(a, b)| a - b).collect();
+            let answer = self.hold(border, &right, &excess);
+            let next = self.rubbed(&answer.step);
+            let largest = next.iter().map(|x| x.abs()).fold(0.0, larger);
+            change = next.iter().zip(&rubbed).map(|(a, b)| (a - b).abs()).fold(0.0, larger);
+            if change <= SETTLED * largest.max(f64::MIN_POSITIVE) {
+                return Ok(Answer { stretch, ..answer });
             }
-            if change > SLOW * last {
-                part *= 0.5;
-            }
-            last = change;
-            answer.step.add(part, &way);
+            rubbed = anderson.next(&rubbed, &next);
         }
-        Err(Error::new(format!("the derivative with friction has not settled: last change {last:.1e}"))
+        Err(Error::new(format!("the derivative with friction has not settled: last change {change:.1e}"))
             .hint("less friction, or smaller loads"))
     }
 
-    /// What friction does in answer to a variation of the shape, by differences along it at the solution.
-    fn rubbed(&self, step: &Step) -> Rubbed {
+    /// Changes of the shares in answer to a variation of the shape, then of their averages: by differences along it at the
+    /// solution.
+    fn rubbed(&self, step: &Step) -> Vec<f64> {
         let scale = SMALL / size(step).max(f64::MIN_POSITIVE);
-        let [(behind, means_behind), (ahead, means_ahead)] = [-scale, scale].map(|scale| {
+        let [behind, ahead] = [-scale, scale].map(|scale| {
             let (mut mesh, mut sweep) = (self.mesh.clone(), Sweep::default());
             mesh.turn.iter_mut().zip(&step.turn).for_each(|(turn, change)| *turn += scale * change);
             mesh.v.iter_mut().zip(&step.v).for_each(|(v, change)| *v += scale * change);
             sweep.place(&mut mesh, self.tables);
             let (mut means, mut ends) = (Vec::new(), Vec::new());
-            friction::update(self.robot, &mut mesh, &sweep, self.tables, 1.0, &mut means, &mut ends);
-            (mesh, means)
+            friction::update(self.robot, &mut mesh, &sweep, self.tables, &mut means, &mut ends);
+            let mut all = mesh.shares();
+            all.append(&mut means);
+            all
         });
+        behind.iter().zip(&ahead).map(|(behind, ahead)| 0.5 * (ahead - behind) / scale).collect()
+    }
+
+    /// What such changes do to the gradient, and to the stretch of each tendon.
+    fn of_rubbed(&self, rubbed: &[f64]) -> (Column, Vec<f64>) {
         // the solution's mesh with the changes in place of the shares
         let mut changes = self.mesh.clone();
-        let per = 0.5 / scale;
-        for (of, (behind, ahead)) in changes.passing.iter_mut().zip(behind.passing.iter().zip(&ahead.passing))
-        {
-            of.share = per * (ahead.share - behind.share);
-        }
-        for (of, (behind, ahead)) in changes.chords.iter_mut().zip(behind.chords.iter().zip(&ahead.chords)) {
-            of.share = per * (ahead.share - behind.share);
-        }
+        changes.set_shares(rubbed);
+        let means = &rubbed[rubbed.len() - self.robot.tendons.len()..];
         let (mut pull, mut of_one) = (Column::default(), Column::default());
         pull.clear(self.mesh);
-        let mut stretch = Vec::with_capacity(self.robot.tendons.len());
-        for (i, tendon) in self.robot.tendons.iter().enumerate() {
+        let mut stretch = Vec::with_capacity(means.len());
+        for (i, (tendon, mean)) in self.robot.tendons.iter().zip(means).enumerate() {
             let tension = self.drive.tensions[i];
             tendons::length_form(&changes, self.sweep, i, true, &mut of_one);
             add(&mut pull, tension, &of_one);
             let give = tendon.stiffness.map_or(0.0, |stiffness| self.drive.home[i] / stiffness);
-            stretch.push(per * (means_ahead[i] - means_behind[i]) * give * tension);
+            stretch.push(mean * give * tension);
         }
-        Rubbed { pull, stretch }
+        (pull, stretch)
     }
 
     /// Change of the poses at the places by a variation of the shape, theory (40).
@@ -388,7 +379,7 @@ impl Solution<'_> {
         tendons::measure(&mesh, &sweep, &mut drive.lengths, count);
         if robot.tendons.iter().any(|tendon| tendon.friction > 0.0) {
             let (means, ends) = (&mut drive.mean_shares, &mut drive.end_shares);
-            friction::update(robot, &mut mesh, &sweep, self.tables, 1.0, means, ends);
+            friction::update(robot, &mut mesh, &sweep, self.tables, means, ends);
         }
         drive.apply(robot, 1.0);
 

@@ -11,14 +11,13 @@ use crate::model::{Command, Motion, Routing};
 use crate::numeric::collocation::Collocation;
 use nalgebra::Vector3;
 
-/// Sets the shares of all tendons with friction to those of the placed shape, `part` of the way. Returns the largest change that
-/// the whole way would have been. `means` and `ends` get the shares' averages along the tendons and their values at the ends.
+/// Sets the shares of all tendons with friction to those of the placed shape. Returns the largest change. `means` and `ends` get
+/// the shares' averages along the tendons and their values at the ends.
 pub(super) fn update(
     robot: &Robot,
     mesh: &mut Mesh,
     sweep: &Sweep,
     tables: &Tables,
-    part: f64,
     means: &mut Vec<f64>,
     ends: &mut Vec<f64>,
 ) -> f64 {
@@ -32,8 +31,7 @@ pub(super) fn update(
         }
         let (Command::Tension { motion, .. } | Command::Displacement { motion, .. }) = command;
         let coefficient = if *motion == Motion::Pulled { -tendon.friction } else { tendon.friction };
-        let mut along =
-            Along { coefficient, part, turned: 0.0, largest: 0.0, sum: 0.0, length: 0.0, last: 1.0 };
+        let mut along = Along { coefficient, turned: 0.0, largest: 0.0, sum: 0.0, length: 0.0, last: 1.0 };
         match tendon.routing {
             Routing::Channel => along.channel(i, mesh, sweep, tables),
             Routing::Guides => along.chords(i, mesh),
@@ -45,10 +43,23 @@ pub(super) fn update(
     largest
 }
 
+impl Mesh {
+    /// All shares: of the channel tendons at the nodes, then of the chords.
+    pub(super) fn shares(&self) -> Vec<f64> {
+        let passing = self.passing.iter().map(|passing| passing.share);
+        passing.chain(self.chords.iter().map(|chord| chord.share)).collect()
+    }
+
+    pub(super) fn set_shares(&mut self, shares: &[f64]) {
+        let passing = self.passing.iter_mut().map(|passing| &mut passing.share);
+        let own = passing.chain(self.chords.iter_mut().map(|chord| &mut chord.share));
+        own.zip(shares).for_each(|(own, share)| *own = *share);
+    }
+}
+
 /// A walk along a tendon from the base.
 struct Along {
     coefficient: f64,
-    part: f64,
     /// Angle turned so far.
     turned: f64,
     largest: f64,
@@ -61,7 +72,7 @@ impl Along {
     fn share(&mut self, share: &mut f64, turned: f64, length: f64) {
         let target = (self.coefficient * turned).exp();
         self.largest = self.largest.max((target - *share).abs());
-        *share += self.part * (target - *share);
+        *share = target;
         self.sum += *share * length;
         self.length += length;
     }

@@ -3,6 +3,7 @@
 use super::mesh::Layout;
 use super::newton::{Converged, Equations, Stuck};
 use super::{Energy, Memory, friction, tendons};
+use crate::numeric::anderson::Anderson;
 use crate::numeric::collocation::MOST;
 use crate::numeric::larger;
 use crate::solution::Station;
@@ -54,9 +55,8 @@ const MOST_SNAPS: usize = 20;
 /// How often the way is begun anew on the panels that its end needed.
 const MOST_RESTARTS: usize = 3;
 const MOST_BISECTIONS: usize = 6;
-/// Turns of Newton's method and friction, and a change of the shares that has not become small enough.
-const MOST_TURNS: usize = 200;
-const SLOW: f64 = 0.7;
+/// Turns of Newton's method and friction.
+const MOST_TURNS: usize = 50;
 /// Accuracy on the way to the full load: enough to start the next step.
 const ON_THE_WAY: f64 = 1e-5;
 /// A shape this far from the one at which the Hessian was last eliminated has the same stability, rad.
@@ -303,10 +303,11 @@ impl Search<'_> {
         tendons::at_rest(coarse, &mut memory.drive.home, self.robot.tendons.len());
     }
 
-    /// Newton's method on the coarse mesh; with friction in turns with the tensions along the tendons.
+    /// Newton's method on the coarse mesh; with friction in turns with the tensions along the tendons, accelerated by what the tangent is
+    /// seen to be.
     fn newton(&mut self, factor: f64, target: f64) -> Result<Converged, Stuck> {
         let rubs = self.rubs();
-        let (mut part, mut last) = (1.0, f64::INFINITY);
+        let (mut anderson, mut last) = (Anderson::default(), f64::INFINITY);
         for _ in 0..MOST_TURNS {
             let Energy { tables, coarse, memory, .. } = &mut *self.energy;
             let equations = Equations { robot: self.robot, chain: self.chain, tables, factor };
@@ -316,13 +317,16 @@ impl Search<'_> {
             }
             let Memory { sweep, drive, .. } = memory;
             let (means, ends) = (&mut drive.mean_shares, &mut drive.end_shares);
-            let change = friction::update(self.robot, coarse, sweep, tables, part, means, ends);
+            let before = coarse.shares();
+            let change = friction::update(self.robot, coarse, sweep, tables, means, ends);
             if change <= target {
                 return Ok(converged);
             }
-            if change > SLOW * last {
-                part *= 0.5;
+            if change > last {
+                anderson.restart();
             }
+            let next = anderson.next(&before, &coarse.shares());
+            coarse.set_shares(&next);
             last = change;
         }
         Err(Stuck { correction: last })
@@ -447,7 +451,7 @@ impl Search<'_> {
         if rubs {
             // without what friction takes, Newton's method would lead to another shape
             let (means, ends) = (&mut drive.mean_shares, &mut drive.end_shares);
-            friction::update(self.robot, coarse, sweep, tables, 1.0, means, ends);
+            friction::update(self.robot, coarse, sweep, tables, means, ends);
         }
         drive.tensions = tensions;
         drive.taut = taut;
