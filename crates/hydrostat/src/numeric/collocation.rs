@@ -16,6 +16,8 @@ pub struct Collocation {
     pub end: Vec<f64>,
     /// Coefficient of the shifted Legendre polynomial of highest degree per value at the j-th.
     pub top: Vec<f64>,
+    /// Of the next lower degree.
+    pub below_top: Vec<f64>,
     /// At 0, 1/2 and 1.
     pub start: Row,
     pub middle: Row,
@@ -50,9 +52,17 @@ impl Collocation {
         // the highest coefficient in powers of t, and that of Legendre's polynomial, (2n)! / (n!)^2
         let legendre: f64 = (1..=count).map(|k| (count + k) as f64 / k as f64).product();
         let top = points.iter().zip(&scales).map(|(t, scale)| scale / t / legendre).collect();
+        let below_top = points
+            .iter()
+            .zip(&weights)
+            .map(|(t, weight)| {
+                (2 * count - 1) as f64 * weight * legendre_polynomial(count - 1, 2.0 * t - 1.0).0
+            })
+            .collect();
         let mut table = Collocation {
             points,
             weights,
+            below_top,
             derivative: Vec::with_capacity(count * count),
             end: Vec::new(),
             top,
@@ -112,6 +122,16 @@ impl Collocation {
     }
 }
 
+/// Legendre's polynomial of a degree on [-1, 1], and that of one degree less.
+fn legendre_polynomial(degree: usize, x: f64) -> (f64, f64) {
+    let (mut p, mut before) = (1.0, 0.0);
+    for k in 0..degree {
+        let k = k as f64;
+        (p, before) = (((2.0 * k + 1.0) * x * p - k * before) / (k + 1.0), p);
+    }
+    (p, before)
+}
+
 /// Gauss-Legendre points and weights on [0, 1] by Newton's method on Legendre's polynomial.
 fn gauss_legendre(count: usize) -> (Vec<f64>, Vec<f64>) {
     let n = count as f64;
@@ -120,11 +140,7 @@ fn gauss_legendre(count: usize) -> (Vec<f64>, Vec<f64>) {
         let mut x = (std::f64::consts::PI * (i as f64 + 0.75) / (n + 0.5)).cos();
         let mut slope = 1.0;
         for _ in 0..8 {
-            let (mut p, mut before) = (1.0, 0.0);
-            for k in 0..count {
-                let k = k as f64;
-                (p, before) = (((2.0 * k + 1.0) * x * p - k * before) / (k + 1.0), p);
-            }
+            let (p, before) = legendre_polynomial(count, x);
             slope = n * (x * p - before) / (x * x - 1.0);
             x -= p / slope;
         }
@@ -169,6 +185,22 @@ mod tests {
             let top: f64 =
                 c.points.iter().zip(&c.top).map(|(t, top)| top * (legendre(*t) - legendre(0.0))).sum();
             assert!((top - 1.0).abs() < 1e-9, "{count}: {top}");
+        }
+    }
+
+    #[test]
+    fn the_two_highest_coefficients_are_those_of_legendre() {
+        for count in FEWEST..=MOST {
+            let c = Collocation::new(count);
+            let values = c.points.iter().map(|t| {
+                let (p, before) = legendre_polynomial(count, 2.0 * t - 1.0);
+                3.0 * (p + before)
+            });
+            let values: Vec<f64> = values.collect();
+            for row in [&c.top, &c.below_top] {
+                let found: f64 = row.iter().zip(&values).map(|(a, b)| a * b).sum();
+                assert!((found - 3.0).abs() < 1e-11, "{count} points: {found}");
+            }
         }
     }
 

@@ -5,7 +5,7 @@
 
 use super::mesh::{Layout, Mesh, Tables};
 use super::newton::Equations;
-use super::sweep::{Column, Problem, Step, Sweep};
+use super::sweep::{Column, Folded, Problem, Step, Sweep};
 use super::tendons::{self, Drive};
 use super::{Energy, Memory, friction};
 use crate::geometry::RotationVector;
@@ -30,12 +30,10 @@ pub(in crate::statics) fn derivatives(
     if robot.tendons.len() != memory.drive.tensions.len() {
         return Err(Error::new("the robot has other tendons than the one that was solved"));
     }
-    // the eigenvalue has left factors of another matrix
     let equations = Equations { robot, chain, tables, factor: 1.0 };
-    let taut = memory.drive.taut.clone();
-    let factored = equations.linearise(memory, coarse, 0.0).negative;
-    memory.drive.taut = taut;
     let Memory { sweep, drive, .. } = memory;
+    // those at hand are of a shape before the last steps, or of another matrix
+    let factored = sweep.factor(&equations.problem(&drive.tensions), coarse, 0.0);
     let mut solution = Solution { robot, chain, tables, layouts, mesh: coarse, sweep, drive, places };
     let border = factored.and_then(|_| solution.border());
     let border = border.ok_or_else(|| {
@@ -60,7 +58,7 @@ struct Solution<'a> {
 /// The tendons in the equations: what they add to the factors.
 struct Border {
     /// d(length), of every tendon.
-    lengths: Vec<Column>,
+    lengths: Vec<Folded>,
     /// The tendons that keep their displacement, and the shape's answer to the pull of each.
     taut: Vec<usize>,
     responses: Vec<Step>,
@@ -99,7 +97,7 @@ impl Solution<'_> {
         let Drive { held, taut, .. } = self.drive;
         let taut: Vec<usize> =
             held.iter().zip(taut).filter(|(_, taut)| **taut).map(|(held, _)| *held).collect();
-        let lengths: Vec<Column> = (0..count).map(|tendon| self.form(tendon, false)).collect();
+        let lengths: Vec<Folded> = (0..count).map(|tendon| self.folded(&self.form(tendon, false))).collect();
         let responses: Vec<Step> = taut
             .iter()
             .map(|&tendon| {
@@ -109,7 +107,7 @@ impl Solution<'_> {
             .collect();
         let compliance = DMatrix::from_fn(taut.len(), taut.len(), |i, j| {
             let stretch = if i == j { self.drive.compliance(self.robot, taut[i]) } else { 0.0 };
-            self.dot(&lengths[taut[i]], &responses[j]) + stretch
+            lengths[taut[i]].dot(&responses[j]) + stretch
         });
         let compliance = compliance.lu();
         (taut.is_empty() || compliance.is_invertible()).then_some(Border {
@@ -132,8 +130,10 @@ impl Solution<'_> {
         step
     }
 
-    fn dot(&self, form: &Column, step: &Step) -> f64 {
-        form.dot(self.sweep, self.mesh, self.tables, step)
+    fn folded(&self, form: &Column) -> Folded {
+        let mut folded = Folded::default();
+        form.fold(self.sweep, self.mesh, self.tables, &mut folded);
+        folded
     }
 
     /// What an input does at a fixed shape.
@@ -197,7 +197,7 @@ impl Solution<'_> {
             tendon.displacement += stretch;
         }
         for (tendon, form) in derivative.tendons.iter_mut().zip(&border.lengths) {
-            let length = self.dot(form, &step);
+            let length = form.dot(&step);
             tendon.length += length;
             tendon.displacement -= length;
         }
@@ -213,7 +213,7 @@ impl Solution<'_> {
         let mut step = self.solve(right);
         let mut tensions = Vec::new();
         if !border.taut.is_empty() {
-            let excess = |&tendon: &usize| self.dot(&border.lengths[tendon], &step) + excess[tendon];
+            let excess = |&tendon: &usize| border.lengths[tendon].dot(&step) + excess[tendon];
             let mut solved = DVector::from_vec(border.taut.iter().map(excess).collect());
             border.compliance.solve_mut(&mut solved);
             tensions.extend(solved.iter());

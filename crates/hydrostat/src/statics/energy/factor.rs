@@ -115,6 +115,7 @@ impl Sweep {
     /// Eliminates the Hessian at the shape of [`Sweep::gradient`], with `shift` times the elastic part added. Returns the
     /// number of directions in which the energy falls; None where the elimination broke down.
     pub(super) fn factor(&mut self, problem: &Problem, mesh: &Mesh, shift: f64) -> Option<usize> {
+        (self.factored, self.moved) = (None, 0.0);
         let mut negative = 0;
         let mut carried = Carried::default();
         for k in (0..mesh.panels.len()).rev() {
@@ -132,7 +133,9 @@ impl Sweep {
         }
         // every gap's nu is a multiplier, with three negative pivots of its own
         let multipliers = 3 * mesh.gaps.iter().filter(|gap| !gap.panels.is_empty()).count();
-        negative.checked_sub(multipliers)
+        let negative = negative.checked_sub(multipliers)?;
+        self.factored = Some(negative).filter(|_| shift == 0.0);
+        Some(negative)
     }
 
     /// The chords at the end of their gap: energy tau |c| with c from hole to hole, theory (33).

@@ -85,7 +85,7 @@ pub(super) struct Chord {
 }
 
 /// The discretised backbone.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(super) struct Mesh {
     pub(super) panels: Vec<Panel>,
     pub(super) data: Vec<NodeData>,
@@ -103,6 +103,29 @@ pub(super) struct Mesh {
     pub(super) follows: bool,
     /// Position and rotation at the panels' middles, where Newton's method ended.
     pub(super) middles: Vec<(Vector3<f64>, Matrix3<f64>)>,
+}
+
+impl Clone for Mesh {
+    fn clone(&self) -> Self {
+        let mut copy = Mesh::default();
+        copy.clone_from(self);
+        copy
+    }
+
+    /// Keeps the memory, which a derived one would not.
+    fn clone_from(&mut self, from: &Self) {
+        self.panels.clone_from(&from.panels);
+        self.data.clone_from(&from.data);
+        self.passing.clone_from(&from.passing);
+        self.gaps.clone_from(&from.gaps);
+        self.chords.clone_from(&from.chords);
+        self.turn.clone_from(&from.turn);
+        self.v.clone_from(&from.v);
+        self.rotations.clone_from(&from.rotations);
+        self.positions.clone_from(&from.positions);
+        self.follows = from.follows;
+        self.middles.clone_from(&from.middles);
+    }
 }
 
 /// Tables by number of points.
@@ -398,12 +421,16 @@ impl Mesh {
         }
     }
 
-    /// Largest coefficient of highest degree of a turn, times the panel's part of the length: what a higher degree might add.
+    /// Largest of a turn's two coefficients of highest degree, times the panel's part of the length: what a higher degree might add. One
+    /// of the two may vanish by symmetry.
     pub(super) fn tail(&self, tables: &Tables) -> f64 {
         let of = |panel: &Panel| {
-            let top = &tables.of(panel.nodes.len()).top;
-            let turns = top.iter().zip(&self.turn[panel.nodes.clone()]);
-            turns.map(|(top, turn)| *top * turn).sum::<Vector3<f64>>().norm() * panel.length
+            let table = tables.of(panel.nodes.len());
+            let turns = &self.turn[panel.nodes.clone()];
+            let coefficient =
+                |row: &[f64]| -> Vector3<f64> { row.iter().zip(turns).map(|(c, turn)| *c * turn).sum() };
+            let [top, next] = [&table.top, &table.below_top].map(|row| coefficient(row).norm_squared());
+            larger(top, next).sqrt() * panel.length
         };
         self.panels.iter().map(of).fold(0.0, larger)
     }

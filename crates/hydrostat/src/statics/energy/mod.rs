@@ -18,6 +18,7 @@ mod tendons;
 #[cfg(test)]
 mod tests;
 mod trust;
+mod warm;
 
 pub(super) use derivatives::derivatives;
 pub(super) use search::{Found, Start, find};
@@ -35,8 +36,9 @@ pub(super) struct Energy {
     layouts: Vec<Layout>,
     coarse: Mesh,
     fine: Mesh,
-    /// The coarse mesh's shape at the last load step, to go back to.
+    /// The coarse mesh's shape at the last load step and its tensions, to go back to.
     reached: Mesh,
+    reached_drive: Drive,
     memory: Memory,
     seen: Seen,
 }

@@ -1,7 +1,7 @@
 //! Newton's method for the stationary energy, with the held tendons' lengths as constraints.
 
 use super::mesh::Mesh;
-use super::sweep::{Column, Problem, Step, Sweep};
+use super::sweep::{Column, Folded, Problem, Step, Sweep};
 use super::tendons::{self, Drive};
 use super::{Memory, Tables};
 use crate::Robot;
@@ -13,7 +13,8 @@ use nalgebra::{DMatrix, DVector};
 #[derive(Clone, Debug, Default)]
 pub(super) struct Linear {
     gradient: Column,
-    lengths: Vec<Column>,
+    length: Column,
+    lengths: Vec<Folded>,
     pulls: Vec<Column>,
     pub(super) step: Step,
     responses: Vec<Step>,
@@ -45,11 +46,18 @@ const QUADRATIC_AT_FIRST: f64 = 100.0;
 const ROUNDING_CORRECTION: f64 = 1e-9;
 const ROUNDING_RESIDUAL: f64 = 1e-8;
 
+/// How far steps with the same factors may lead in all, rad, and by how much each must be smaller than the one before.
+const NEAR: f64 = 0.05;
+const QUICK: f64 = 0.1;
+/// How much slower than the last step with the same factors the next may be.
+const SLOWER: f64 = 10.0;
+
 /// A converged iteration.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Converged {
     pub(super) residual: f64,
-    /// Directions in which the energy fell at the last linearisation, and the size of the step since then.
+    /// Directions in which the energy fell at the last linearisation, and the size of the step since then, 0 where steps with its
+    /// factors shrank so fast that the shape has the same stability.
     pub(super) negative: usize,
     pub(super) correction: f64,
     /// Of the first two corrections; 0 where one was enough.
@@ -113,16 +121,11 @@ impl Equations<'_> {
         residual
     }
 
-    /// A step of Newton's method with the factors of an earlier linearisation, taken. Returns its size, or None where it led
-    /// nowhere.
-    pub(super) fn approach(&self, memory: &mut Memory, mesh: &mut Mesh) -> Option<f64> {
-        if memory.sweep.models.len() != mesh.data.len() {
-            return None;
-        }
+    /// As [`Equations::linearise`] with the factors at hand.
+    fn reuse(&self, memory: &mut Memory, mesh: &mut Mesh) -> Linearised {
         let residual = self.evaluate(memory, mesh);
-        let Linearised { correction, .. } = self.step(memory, mesh, residual, None);
-        self.correct(memory, mesh);
-        correction.is_finite().then_some(correction)
+        let negative = memory.sweep.factored;
+        self.step(memory, mesh, residual, negative)
     }
 
     /// Newton's step by the factors at hand.
@@ -140,7 +143,9 @@ impl Equations<'_> {
 
     /// How fast the energy falls along the last step.
     pub(super) fn slope(&self, memory: &Memory, mesh: &Mesh) -> f64 {
-        memory.linear.gradient.dot(&memory.sweep, mesh, self.tables, &memory.linear.step)
+        let mut gradient = Folded::default();
+        memory.linear.gradient.fold(&memory.sweep, mesh, self.tables, &mut gradient);
+        gradient.dot(&memory.linear.step)
     }
 
     /// Corrects the step so that taut tendons keep their lengths, and finds their tensions (Schur complement, theory (36)).
@@ -150,15 +155,16 @@ impl Equations<'_> {
         if count == 0 {
             return Held::default();
         }
-        linear.lengths.resize_with(count, Column::default);
+        linear.lengths.resize_with(count, Folded::default);
         linear.pulls.resize_with(count, Column::default);
         linear.responses.resize_with(count, Step::default);
         for (i, &tendon) in drive.held.iter().enumerate() {
-            tendons::length_form(mesh, sweep, tendon, false, &mut linear.lengths[i]);
+            tendons::length_form(mesh, sweep, tendon, false, &mut linear.length);
+            linear.length.fold(sweep, mesh, self.tables, &mut linear.lengths[i]);
             tendons::length_form(mesh, sweep, tendon, true, &mut linear.pulls[i]);
             sweep.solve(mesh, self.tables, &linear.pulls[i], &mut linear.responses[i]);
         }
-        let dot = |i: usize, step: &Step| linear.lengths[i].dot(sweep, mesh, self.tables, step);
+        let dot = |i: usize, step: &Step| linear.lengths[i].dot(step);
         let mut s = DMatrix::from_fn(count, count, |i, j| dot(i, &linear.responses[j]));
         linear.compliances.clear();
         for (i, &tendon) in drive.held.iter().enumerate() {
@@ -211,23 +217,29 @@ impl Equations<'_> {
         }
     }
 
-    /// Newton's method until the error it leaves is below `target` (radians and like units); `before` is the size of a step that led
-    /// here.
+    /// Newton's method until the error it leaves is below `target` (radians and like units). Factors are kept while steps are short and
+    /// shrink fast; `reuse` begins with those at hand.
     pub(super) fn newton(
         &self,
         memory: &mut Memory,
         mesh: &mut Mesh,
         target: f64,
-        before: Option<f64>,
+        mut reuse: bool,
         iterations: &mut usize,
     ) -> Result<Converged, Stuck> {
-        let (mut last, mut last_residual) = (before.unwrap_or(f64::INFINITY), f64::INFINITY);
+        let (mut last, mut last_residual) = (f64::INFINITY, f64::INFINITY);
         let mut first_contraction: Option<f64> = None;
         for _ in 0..MAX_ITERATIONS {
-            let now = self.linearise(memory, mesh, 0.0);
+            let reused = reuse && memory.sweep.holds_factors(mesh);
+            let now = if reused { self.reuse(memory, mesh) } else { self.linearise(memory, mesh, 0.0) };
             *iterations += 1;
             let Linearised { correction, residual, .. } = now;
             let contraction = if correction > 0.0 { correction / last } else { 0.0 };
+            let near = memory.sweep.moved + correction <= NEAR;
+            if reused && !(near && (contraction <= QUICK || correction <= ROUNDING_CORRECTION)) {
+                reuse = false;
+                continue;
+            }
             let rounding = correction <= ROUNDING_CORRECTION && contraction > CONTRACTION;
             let first = last == f64::INFINITY && correction.is_finite();
             // a small step that brings the equations closer leads to no other branch
@@ -238,14 +250,16 @@ impl Equations<'_> {
                 return Err(Stuck { correction });
             };
             self.correct(memory, mesh);
+            memory.sweep.moved += correction;
             if !first {
                 first_contraction = first_contraction.or(Some(contraction));
             }
             // the step is taken; the next one would be too small to matter
-            let ahead = if first {
-                QUADRATIC_AT_FIRST * correction * correction
-            } else {
-                correction * contraction.min(QUADRATIC * correction).max(1e-3 * correction)
+            let ahead = match (reused, first) {
+                (true, true) => f64::INFINITY,
+                (true, false) => correction * (SLOWER * contraction).min(QUICK),
+                (false, true) => QUADRATIC_AT_FIRST * correction * correction,
+                (false, false) => correction * contraction.min(QUADRATIC * correction).max(1e-3 * correction),
             };
             let closed = correction <= target && residual <= target.max(ROUNDING_RESIDUAL) || rounding;
             if closed || ahead <= target {
@@ -258,14 +272,14 @@ impl Equations<'_> {
                     return Err(Stuck { correction });
                 }
                 mesh.find_middles(&memory.sweep, self.tables);
-                let contraction = first_contraction.unwrap_or(0.0);
                 return Ok(Converged {
                     residual: if closed { residual } else { ahead },
                     negative,
-                    correction,
-                    contraction,
+                    correction: if reused { 0.0 } else { correction },
+                    contraction: first_contraction.unwrap_or(0.0),
                 });
             }
+            reuse = correction <= NEAR;
             (last, last_residual) = (correction, residual);
         }
         Err(Stuck { correction: last })

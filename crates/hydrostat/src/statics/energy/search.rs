@@ -4,7 +4,7 @@ use super::mesh::Layout;
 use super::newton::{Converged, Equations, Stuck};
 use super::{Energy, Memory, friction, tendons};
 use crate::numeric::anderson::Anderson;
-use crate::numeric::collocation::MOST;
+use crate::numeric::collocation::{FEWEST, MOST};
 use crate::numeric::larger;
 use crate::solution::Station;
 use crate::statics::Settings;
@@ -26,6 +26,9 @@ pub(in crate::statics) struct Found {
 /// Largest turn that a panel is laid out for, and with which it is cut in two, rad.
 const FIRST_TURN: f64 = 0.8;
 pub(super) const LARGEST_TURN: f64 = 1.3;
+/// Points that the first shape has less, and its accuracy.
+const POINTS_LESS: usize = 2;
+const ROUGH: f64 = 1e-3;
 /// Points of the first mesh, one more for tolerances below the second number; two less where panels turn little.
 const FIRST_POINTS: usize = 4;
 const FINE_TOLERANCE: f64 = 1e-7;
@@ -61,17 +64,13 @@ const MOST_TURNS: usize = 50;
 const ON_THE_WAY: f64 = 1e-5;
 /// A shape this far from the one at which the Hessian was last eliminated has the same stability, rad.
 const SAME_STABILITY: f64 = 1e-3;
-/// A change that Newton's method may make with the factors of the last solution, rad.
-const NEAR: f64 = 0.1;
-
-/// Highest coefficients below are rounding.
-const SMALLEST_TAIL: f64 = 1e-13;
-
-/// What the last refinement found: the highest coefficient, and the estimated error, m.
+/// What the last refinement found: the highest coefficients, and the estimated error, m; both on the mesh before, too, where that is
+/// fine enough for the next solution.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Seen {
-    tail: f64,
-    error_estimate: f64,
+    pub(super) tail: f64,
+    pub(super) error_estimate: f64,
+    pub(super) before: Option<(f64, f64)>,
 }
 
 /// Where a search begins.
@@ -98,12 +97,12 @@ pub(in crate::statics) fn find(
     search.run(start)
 }
 
-struct Search<'a> {
-    energy: &'a mut Energy,
-    robot: &'a Robot,
-    chain: &'a Chain,
-    settings: &'a Settings,
-    iterations: usize,
+pub(super) struct Search<'a> {
+    pub(super) energy: &'a mut Energy,
+    pub(super) robot: &'a Robot,
+    pub(super) chain: &'a Chain,
+    pub(super) settings: &'a Settings,
+    pub(super) iterations: usize,
     /// Part of the loads at which the branch ended and the robot snapped.
     snapped_from: Option<f64>,
     /// Whether panels were cut in two on the way.
@@ -139,6 +138,7 @@ impl Search<'_> {
                 Err(_) if restarts < MOST_RESTARTS && !matches!(start, Start::Shape(_)) => {
                     // the panels were too long to believe where they led
                     restarts += 1;
+                    (self.snapped_from, self.relaid) = (None, false);
                     let points = self.first_points();
                     self.energy.layouts.iter_mut().for_each(|layout| {
                         *layout = Layout { parts: 2 * layout.parts, points };
@@ -160,7 +160,9 @@ impl Search<'_> {
                 (end.residual.min(1e-3 * tolerance) + f64::EPSILON * nodes as f64) * self.chain.length;
             let error_estimate = SAFETY * difference / (reduction - 1.0) + rounding;
             if error_estimate <= tolerance * self.chain.length {
-                self.energy.seen = Seen { tail: finer, error_estimate };
+                let before = SAFETY * difference + rounding;
+                self.energy.seen =
+                    Seen { tail: finer, error_estimate, before: added.then_some((tail, before)) };
                 return self.judge(end, error_estimate, unstable_from);
             }
             if nodes > MOST_NODES || !error_estimate.is_finite() {
@@ -186,67 +188,56 @@ impl Search<'_> {
     }
 
     fn start_from_rest(&mut self) -> Result<Option<f64>, Error> {
+        if self.settings.largest_load_step == 1.0 && self.start_at_once() {
+            return Ok(None);
+        }
         self.first_layout();
         self.lay();
         self.follow_load()
     }
 
-    /// Newton's method at the full load from the last solution, on its mesh. Returns the estimated error, too, which grows with the
-    /// highest coefficient; None where it did not converge.
-    fn continue_last(&mut self) -> Option<(Converged, f64)> {
-        let target = 0.1 * self.settings.tolerance;
-        let Energy { layouts, coarse, fine, memory, .. } = &mut *self.energy;
-        if layouts.len() != self.chain.spans.len() || coarse.panels.is_empty() {
-            return None;
-        }
-        std::mem::swap(coarse, fine);
-        let held = memory.drive.held.clone();
-        let (mut tensions, mut taut) = Default::default();
-        std::mem::swap(&mut memory.drive.tensions, &mut tensions);
-        std::mem::swap(&mut memory.drive.taut, &mut taut);
+    /// The full load at once, on few points first, from the bend that the tendons alone would give: for those in channels the only
+    /// equilibrium without loads, as its energy is convex in the strains. False where that does not surely lead to a stable shape
+    /// nearby.
+    fn start_at_once(&mut self) -> bool {
+        self.first_layout();
+        let few = |points: usize| (points - POINTS_LESS).max(FEWEST);
+        let more = self.energy.layouts.iter().any(|layout| few(layout.points) < layout.points);
+        self.energy.layouts.iter_mut().for_each(|layout| layout.points = few(layout.points));
         self.lay();
-        let rubs = self.rubs();
-        let Energy { tables, coarse, fine, reached, memory, .. } = &mut *self.energy;
-        let same = fine.data.len() == coarse.data.len()
-            && fine.panels.len() == coarse.panels.len()
-            && fine.gaps.len() == coarse.gaps.len()
-            && held == memory.drive.held
-            && tensions.len() == memory.drive.tensions.len();
-        if !same {
-            return None;
+        self.bend_by_tendons();
+        let target = if more { ROUGH } else { ON_THE_WAY };
+        let nearby = |search: &Self, end: &Converged| {
+            let turn = search.energy.coarse.largest_turn(&search.energy.tables);
+            end.negative == 0 && turn <= LARGEST_TURN && !search.strayed(end)
+        };
+        let Ok(end) = self.newton(1.0, target) else { return false };
+        if !nearby(self, &end) {
+            return false;
         }
-        coarse.copy_shape(fine);
-        reached.clone_from(fine);
-        memory.drive.tensions.clone_from(&tensions);
-        memory.drive.taut.clone_from(&taut);
-        if rubs {
-            let end = self.newton(1.0, target).ok()?;
-            return (!self.strayed(&end)).then_some((end, f64::INFINITY));
+        if more {
+            self.first_layout();
+            self.relay();
         }
-        let equations = Equations { robot: self.robot, chain: self.chain, tables, factor: 1.0 };
-        let near = equations.approach(memory, coarse).filter(|correction| *correction <= NEAR);
-        self.iterations += 1;
-        if near.is_none() {
-            self.energy.coarse.copy_shape(&self.energy.fine);
-            self.energy.memory.drive.tensions = tensions;
-            self.energy.memory.drive.taut = taut;
-        }
-        let Energy { tables, coarse, memory, .. } = &mut *self.energy;
-        let equations = Equations { robot: self.robot, chain: self.chain, tables, factor: 1.0 };
-        let end = equations.newton(memory, coarse, target, near, &mut self.iterations).ok()?;
-        if self.strayed(&end) {
-            return None;
-        }
-        let Seen { tail, error_estimate } = self.energy.seen;
-        let growth = (self.energy.coarse.tail(&self.energy.tables) / tail.max(SMALLEST_TAIL)).max(1.0);
-        Some((end, error_estimate * growth * growth + end.residual.min(target) * self.chain.length))
+        !more || self.newton(1.0, ON_THE_WAY.min(self.settings.tolerance)).is_ok_and(|end| nearby(self, &end))
     }
 
-    /// From the shape that was reached on a fine mesh to the same on the first one, to be refined again.
-    fn begin_anew_here(&mut self) -> Option<Converged> {
-        self.first_layout();
-        self.relay();
-        self.newton(1.0, self.settings.tolerance).ok()
+    /// Places the coarse mesh as bent by the tendons, with the tensions that a first step finds for those held.
+    fn bend_by_tendons(&mut self) {
+        let Energy { tables, coarse, reached, memory, .. } = &mut *self.energy;
+        let equations = Equations { robot: self.robot, chain: self.chain, tables, factor: 1.0 };
+        memory.drive.apply(self.robot, 1.0);
+        if !memory.drive.held.is_empty() {
+            equations.linearise(memory, coarse, 0.0);
+            self.iterations += 1;
+            let Memory { linear, drive, .. } = memory;
+            for (&tendon, &tension) in drive.held.iter().zip(&linear.tensions) {
+                drive.tensions[tendon] = tension;
+            }
+        }
+        coarse.bend_by(self.robot, &memory.drive.tensions, tables);
+        memory.sweep.place(coarse, tables);
+        reached.rotations.clone_from(&coarse.rotations);
     }
 
     /// The equilibrium near a given shape: by Newton's method, or downhill from it.
@@ -284,7 +275,7 @@ impl Search<'_> {
     }
 
     /// Panels for the first mesh.
-    fn first_layout(&mut self) {
+    pub(super) fn first_layout(&mut self) {
         self.energy.layouts.clear();
         let first_points = self.first_points();
         for span in &self.chain.spans {
@@ -296,7 +287,7 @@ impl Search<'_> {
     }
 
     /// The coarse mesh at rest, and the tendons with it.
-    fn lay(&mut self) {
+    pub(super) fn lay(&mut self) {
         let Energy { tables, layouts, coarse, memory, .. } = &mut *self.energy;
         coarse.rebuild(self.robot, self.chain, layouts, tables);
         memory.drive.rest(self.robot);
@@ -305,13 +296,13 @@ impl Search<'_> {
 
     /// Newton's method on the coarse mesh; with friction in turns with the tensions along the tendons, accelerated by what the tangent is
     /// seen to be.
-    fn newton(&mut self, factor: f64, target: f64) -> Result<Converged, Stuck> {
+    pub(super) fn newton(&mut self, factor: f64, target: f64) -> Result<Converged, Stuck> {
         let rubs = self.rubs();
         let (mut anderson, mut last) = (Anderson::default(), f64::INFINITY);
-        for _ in 0..MOST_TURNS {
+        for turn in 0..MOST_TURNS {
             let Energy { tables, coarse, memory, .. } = &mut *self.energy;
             let equations = Equations { robot: self.robot, chain: self.chain, tables, factor };
-            let converged = equations.newton(memory, coarse, target, None, &mut self.iterations)?;
+            let converged = equations.newton(memory, coarse, target, turn > 0, &mut self.iterations)?;
             if !rubs {
                 return Ok(converged);
             }
@@ -332,7 +323,7 @@ impl Search<'_> {
         Err(Stuck { correction: last })
     }
 
-    fn rubs(&self) -> bool {
+    pub(super) fn rubs(&self) -> bool {
         self.robot.tendons.iter().any(|tendon| tendon.friction > 0.0)
     }
 
@@ -341,8 +332,7 @@ impl Search<'_> {
         let largest_step = self.settings.largest_load_step;
         let (mut reached, mut step) = (0.0_f64, largest_step);
         let mut unstable_from = None;
-        self.energy.reached.clone_from(&self.energy.coarse);
-        let mut tensions = self.energy.memory.drive.tensions.clone();
+        self.mark();
         let (mut snaps, mut restarts) = (0, 0);
         let mut begun = self.iterations;
         while reached < 1.0 {
@@ -360,11 +350,10 @@ impl Search<'_> {
                 if self.energy.coarse.largest_turn(&self.energy.tables) > LARGEST_TURN {
                     self.bisect();
                 }
-                self.energy.reached.clone_from(&self.energy.coarse);
-                tensions.clone_from(&self.energy.memory.drive.tensions);
+                self.mark();
             } else {
                 self.energy.coarse.clone_from(&self.energy.reached);
-                self.energy.memory.drive.tensions.clone_from(&tensions);
+                self.energy.memory.drive.clone_from(&self.energy.reached_drive);
                 step *= 0.5;
                 if work > MOST_WORK {
                     return Err(self.not_converged(reached, &outcome.err().unwrap_or_default()));
@@ -372,11 +361,10 @@ impl Search<'_> {
                 let ends = step < SMALLEST_LOAD_STEP * factor.max(SMALLEST_LOAD);
                 if ends && self.relaid && restarts < MOST_RESTARTS {
                     // the panels were too long to believe where they led
-                    (restarts, self.relaid) = (restarts + 1, false);
+                    (restarts, snaps, self.relaid, self.snapped_from) = (restarts + 1, 0, false, None);
                     (reached, step, unstable_from, begun) = (0.0, largest_step, None, self.iterations);
                     self.lay();
-                    self.energy.reached.clone_from(&self.energy.coarse);
-                    tensions.clone_from(&self.energy.memory.drive.tensions);
+                    self.mark();
                 } else if ends {
                     // the branch ends here: the robot snaps to a minimum of its energy
                     let beyond = (reached * (1.0 + SNAP)).clamp(SMALLEST_LOAD, 1.0);
@@ -384,12 +372,17 @@ impl Search<'_> {
                     way.map_err(|stuck| self.not_converged(reached, &outcome.err().unwrap_or(stuck)))?;
                     self.snapped_from = self.snapped_from.or(Some(reached));
                     (reached, step) = (beyond, largest_step);
-                    self.energy.reached.clone_from(&self.energy.coarse);
-                    tensions.clone_from(&self.energy.memory.drive.tensions);
+                    self.mark();
                 }
             }
         }
         Ok(unstable_from)
+    }
+
+    /// Remembers the shape and the tensions to go back to.
+    fn mark(&mut self) {
+        self.energy.reached.clone_from(&self.energy.coarse);
+        self.energy.reached_drive.clone_from(&self.energy.memory.drive);
     }
 
     /// Minimises the energy at a part of the loads, from the shape of the coarse mesh.
@@ -413,7 +406,7 @@ impl Search<'_> {
     }
 
     /// Whether a step has turned further than one that surely stays on its branch.
-    fn strayed(&self, end: &Converged) -> bool {
+    pub(super) fn strayed(&self, end: &Converged) -> bool {
         let quick = end.contraction <= QUICK;
         self.turned() > if quick { LARGEST_QUICK_TURN } else { LARGEST_LOAD_TURN }
     }
@@ -438,7 +431,7 @@ impl Search<'_> {
     }
 
     /// Lays the coarse mesh anew and keeps the shape.
-    fn relay(&mut self) {
+    pub(super) fn relay(&mut self) {
         let tensions = self.energy.memory.drive.tensions.clone();
         let taut = self.energy.memory.drive.taut.clone();
         std::mem::swap(&mut self.energy.coarse, &mut self.energy.fine);

@@ -42,6 +42,10 @@ pub(super) struct Sweep {
     pub(super) locals: Vec<Local>,
     pub(super) models: Vec<Linearised>,
     pub(super) panels: Vec<PanelFront>,
+    /// Directions in which the energy fell where the fronts' factors were made; None for those of a shifted Hessian.
+    pub(super) factored: Option<usize>,
+    /// Sum of the steps taken with them, rad.
+    pub(super) moved: f64,
     /// Blocks of the panels' fronts, one panel behind the other.
     pub(super) fronts: Vec<Matrix3<f64>>,
     pub(super) gaps: Vec<GapFront>,
@@ -95,6 +99,14 @@ pub(super) struct Column {
     pub(super) gaps: Vec<[Vector3<f64>; 2]>,
 }
 
+/// A linear form on turns, v and cuts.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Folded {
+    turn: Vec<Vector3<f64>>,
+    v: Vec<Vector3<f64>>,
+    cuts: Vec<Vector3<f64>>,
+}
+
 /// A variation of the shape.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Step {
@@ -125,24 +137,47 @@ impl Column {
         self.cuts.iter_mut().chain(self.gaps.iter_mut().flatten()).for_each(|part| part.neg_mut());
     }
 
-    /// The form applied to a variation.
-    pub(super) fn dot(&self, sweep: &Sweep, mesh: &Mesh, tables: &Tables, step: &Step) -> f64 {
-        let mut sum = 0.0;
+    /// The same form on the turns, v and cuts alone, which a variation consists of.
+    pub(super) fn fold(&self, sweep: &Sweep, mesh: &Mesh, tables: &Tables, folded: &mut Folded) {
+        let Folded { turn, v, cuts } = folded;
+        turn.clear();
+        turn.extend(self.nodes.iter().map(|form| form.turn));
+        v.clear();
+        v.extend(self.nodes.iter().map(|form| form.v));
+        cuts.clone_from(&self.cuts);
         for (k, panel) in mesh.panels.iter().enumerate() {
-            let table = tables.of(panel.nodes.len());
-            for (local, node) in panel.nodes.clone().enumerate() {
-                let form = &self.nodes[node];
-                let rate = rate_of(panel, table, local, &step.turn[panel.nodes.clone()]);
-                sum += form.v.dot(&step.v[node]) + form.turn.dot(&step.turn[node]) + form.rate.dot(&rate);
-                sum += form.start.dot(&step.cuts[k]);
+            let (table, points) = (tables.of(panel.nodes.len()), panel.nodes.len());
+            let turns = &mut turn[panel.nodes.clone()];
+            for (local, form) in self.nodes[panel.nodes.clone()].iter().enumerate() {
+                let rate = form.rate / panel.length;
+                for (turn, d) in turns.iter_mut().zip(&table.derivative[local * points..(local + 1) * points])
+                {
+                    *turn += *d * rate;
+                }
+                cuts[k] += form.start;
             }
         }
-        sum += self.cuts.iter().zip(&step.cuts).map(|(form, turn)| form.dot(turn)).sum::<f64>();
-        for (gap, form) in mesh.gaps.iter().zip(&self.gaps) {
-            sum += form[1].dot(&step.cuts[gap.panels.start]);
-            sum += form[0].dot(&sweep.displacement_change(mesh, tables, gap.panels.clone(), step));
+        for (gap, [displacement, plate]) in mesh.gaps.iter().zip(&self.gaps) {
+            cuts[gap.panels.start] += plate;
+            for k in gap.panels.clone() {
+                for node in mesh.panels[k].nodes.clone() {
+                    let shape = &sweep.shapes[node];
+                    let along = mesh.data[node].weight * shape.rotation.tr_mul(displacement);
+                    let turning = shape.v.cross(&along);
+                    v[node] += along;
+                    turn[node] += shape.jacobian.tr_mul(&turning);
+                    cuts[k] += shape.since_start * turning;
+                }
+            }
         }
-        sum
+    }
+}
+
+impl Folded {
+    /// The form applied to a variation.
+    pub(super) fn dot(&self, step: &Step) -> f64 {
+        let pairs = [(&self.turn, &step.turn), (&self.v, &step.v), (&self.cuts, &step.cuts)];
+        pairs.iter().flat_map(|(form, step)| form.iter().zip(*step)).map(|(form, step)| form.dot(step)).sum()
     }
 }
 
@@ -240,6 +275,11 @@ impl Sweep {
     /// Force that the chords beside a panel take from the backbone, world frame.
     pub(super) fn chord_force(&self, panel: &Panel) -> Vector3<f64> {
         panel.gap.map_or(Vector3::zeros(), |gap| self.gaps[gap].force)
+    }
+
+    /// Whether there are factors of the Hessian on this mesh.
+    pub(super) fn holds_factors(&self, mesh: &Mesh) -> bool {
+        self.factored.is_some() && self.models.len() == mesh.data.len()
     }
 
     /// Solves with the factors: Hessian x step = right.
@@ -375,25 +415,5 @@ impl Sweep {
             }
         }
         step.size = step.size.sqrt();
-    }
-
-    /// Change of the displacement across some panels.
-    fn displacement_change(
-        &self,
-        mesh: &Mesh,
-        tables: &Tables,
-        panels: std::ops::Range<usize>,
-        step: &Step,
-    ) -> Vector3<f64> {
-        let _ = tables;
-        let mut change = Vector3::zeros();
-        for k in panels {
-            for node in mesh.panels[k].nodes.clone() {
-                let shape = &self.shapes[node];
-                let turned = shape.turned(&step.cuts[k], &step.turn[node]);
-                change += mesh.data[node].weight * (shape.rotation * (step.v[node] + turned.cross(&shape.v)));
-            }
-        }
-        change
     }
 }

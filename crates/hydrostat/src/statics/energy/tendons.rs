@@ -1,11 +1,13 @@
 //! Lengths of the tendons on a placed shape, and how they change with it.
 
-use super::mesh::Mesh;
+use super::mesh::{Mesh, Tables};
 use super::node;
 use super::sweep::{Column, Sweep};
 use crate::Robot;
 use crate::geometry::RotationVector;
-use crate::model::Command;
+use crate::model::{Command, Tendon};
+use crate::numeric::collocation::MOST;
+use crate::statics::section::Pull;
 use nalgebra::{Matrix3, Vector3};
 
 /// A path that gains so little along the backbone, per length of it, has shrunk to nothing.
@@ -164,7 +166,47 @@ pub(super) fn length_form(mesh: &Mesh, sweep: &Sweep, tendon: usize, shares: boo
     }
 }
 
+/// Rounds of the tendons' directions and the strain in [`Mesh::bend_by`].
+const ROUNDS: usize = 2;
+
 impl Mesh {
+    /// Bends every node as tendons in channels would under these tensions, were there nothing else: where to start from.
+    pub(super) fn bend_by(&mut self, robot: &Robot, tensions: &[f64], tables: &Tables) {
+        for panel in &self.panels {
+            let table = tables.of(panel.nodes.len());
+            let mut curvatures = [Vector3::zeros(); MOST];
+            for ((node, point), curvature) in panel.nodes.clone().zip(&table.points).zip(&mut curvatures) {
+                let data = &self.data[node];
+                let s = panel.from + point * panel.length;
+                let pulls = |(tendon, tension): (&Tendon, &f64)| {
+                    let end = robot.tendon_end(tendon);
+                    (*tension > 0.0 && s < end).then(|| {
+                        let (hole, along) = tendon.path.hole(s / end, end);
+                        Pull { hole, along, tension: *tension }
+                    })
+                };
+                let (mut v, mut u) = (Vector3::z(), data.rest_curvature);
+                for _ in 0..ROUNDS {
+                    let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
+                    for pull in robot.tendons.iter().zip(tensions).filter_map(pulls) {
+                        let of_tendon = pull.tension * pull.path(&v, &u).1;
+                        force += of_tendon;
+                        moment += pull.hole.cross(&of_tendon);
+                    }
+                    v = Vector3::z() - force.component_div(&data.shear);
+                    u = data.rest_curvature - moment.component_div(&data.bend);
+                }
+                (self.v[node], *curvature) = (v, u);
+            }
+            // a constant curvature's turn is exact, which most are nearly
+            let points = panel.nodes.len();
+            for (node, weights) in panel.nodes.clone().zip(table.to_point.chunks_exact(points)) {
+                let turn: Vector3<f64> = weights.iter().zip(&curvatures).map(|(weight, u)| *weight * u).sum();
+                self.turn[node] = panel.length * turn;
+            }
+        }
+    }
+
     /// From hole to hole across a gap, world frame.
     pub(super) fn chord(&self, gap: &super::mesh::Gap, holes: &[Vector3<f64>; 2]) -> Vector3<f64> {
         let (a, b) = (gap.panels.start, gap.panels.end);

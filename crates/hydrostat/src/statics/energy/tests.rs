@@ -1,7 +1,7 @@
 //! Gradient and Hessian against differences of the energy.
 
 use super::mesh::{Layout, Mesh, Tables};
-use super::sweep::{Column, Problem, Step, Sweep};
+use super::sweep::{Column, Folded, Problem, Step, Sweep};
 use super::tendons;
 use crate::Robot;
 use crate::model::{Command, Frame, Guides, Load, LoadKind, Motion, Path, Routing, Tendon};
@@ -98,8 +98,12 @@ fn gradient_and_hessian_are_derivatives_of_the_energy() {
         right.clone_from(&first);
         sweep.solve(&mesh, &tables, &right, &mut step);
         let scale = 0.3 / step.size;
-        let slope = scale * gradient.dot(&sweep, &mesh, &tables, &step);
-        let curvature = scale * scale * right.dot(&sweep, &mesh, &tables, &step);
+        let [slope, curvature] = [&gradient, &right].map(|form| {
+            let mut folded = Folded::default();
+            form.fold(&sweep, &mesh, &tables, &mut folded);
+            folded.dot(&step)
+        });
+        let (slope, curvature) = (scale * slope, scale * scale * curvature);
 
         let mut other = Sweep::default();
         let mut at = |h: f64| energy(&problem, &mesh, &mut other, &step, scale * h);

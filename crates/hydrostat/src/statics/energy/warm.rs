@@ -1,0 +1,74 @@
+//! From the last solution to one nearby: on its mesh, with the factors of its Hessian.
+
+use super::newton::{Converged, Equations};
+use super::search::{Search, Seen};
+use super::tendons::Drive;
+use super::{Energy, Memory};
+
+/// Highest coefficients below are rounding.
+const SMALLEST_TAIL: f64 = 1e-13;
+/// Part of the tolerance that the error of a mesh may have for the next solution to be found on it.
+const ROOM: f64 = 0.5;
+
+impl Search<'_> {
+    /// The equilibrium at the full load nearest to the last solution. Returns the estimated error, too, which grows with the highest
+    /// coefficient; None where Newton's method did not converge.
+    pub(super) fn continue_last(&mut self) -> Option<(Converged, f64)> {
+        let target = 0.1 * self.settings.tolerance;
+        if self.energy.layouts.len() != self.chain.spans.len() || self.energy.coarse.panels.is_empty() {
+            return None;
+        }
+        self.take_mesh_before();
+        let Energy { coarse, fine, memory, .. } = &mut *self.energy;
+        std::mem::swap(coarse, fine);
+        let Drive { tensions, taut, held, .. } = &mut memory.drive;
+        let last = (std::mem::take(tensions), std::mem::take(taut), std::mem::take(held));
+        self.lay();
+        let rubs = self.rubs();
+        let Energy { coarse, fine, reached, memory, .. } = &mut *self.energy;
+        let same = fine.data.len() == coarse.data.len()
+            && fine.panels.len() == coarse.panels.len()
+            && fine.gaps.len() == coarse.gaps.len()
+            && last.2 == memory.drive.held
+            && last.0.len() == memory.drive.tensions.len();
+        if !same {
+            return None;
+        }
+        coarse.copy_shape(fine);
+        reached.rotations.clone_from(&fine.rotations);
+        (memory.drive.tensions, memory.drive.taut, _) = last;
+        if rubs {
+            let end = self.newton(1.0, target).ok()?;
+            return (!self.strayed(&end)).then_some((end, f64::INFINITY));
+        }
+        let Energy { tables, coarse, memory, .. } = &mut *self.energy;
+        let equations = Equations { robot: self.robot, chain: self.chain, tables, factor: 1.0 };
+        let end = equations.newton(memory, coarse, target, true, &mut self.iterations).ok()?;
+        if self.strayed(&end) {
+            return None;
+        }
+        let Seen { tail, error_estimate, .. } = self.energy.seen;
+        let growth = (self.energy.coarse.tail(&self.energy.tables) / tail.max(SMALLEST_TAIL)).max(1.0);
+        Some((end, error_estimate * growth * growth + end.residual.min(target) * self.chain.length))
+    }
+
+    /// Goes back to the mesh before the last refinement, where that was fine enough.
+    fn take_mesh_before(&mut self) {
+        let Energy { layouts, coarse, fine, memory: Memory { sweep, .. }, seen, .. } = &mut *self.energy;
+        let Some((tail, error_estimate)) = seen.before.take() else { return };
+        if error_estimate > ROOM * self.settings.tolerance * self.chain.length {
+            return;
+        }
+        std::mem::swap(coarse, fine);
+        layouts.iter_mut().for_each(|layout| layout.points -= 1);
+        sweep.factored = None;
+        *seen = Seen { tail, error_estimate, before: None };
+    }
+
+    /// From the shape that was reached on a fine mesh to the same on the first one, to be refined again.
+    pub(super) fn begin_anew_here(&mut self) -> Option<Converged> {
+        self.first_layout();
+        self.relay();
+        self.newton(1.0, self.settings.tolerance).ok()
+    }
+}
