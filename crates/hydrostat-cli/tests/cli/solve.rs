@@ -252,3 +252,29 @@ fn derivatives_in_the_summary_have_their_units() {
     let moment = text.lines().find(|line| line.contains("tip per N mm y")).unwrap();
     assert!(moment.contains("] mm/(N mm), [") && moment.ends_with("] deg/(N mm)"), "{moment}");
 }
+
+const SCR: &str = include_str!("../../../../robots/scr.toml");
+
+/// Of tendons held by displacement; c in the hole of a, but pulled in less, has to push.
+#[test]
+fn slack_tendons_are_named() {
+    let folder = Folder::with("slack", "scr.toml", SCR);
+    let line = |command: &str| {
+        let run = folder.run(&format!("solve {command}"));
+        assert!(!run.stdout.contains(" -0.000 mm"), "{}", run.stdout);
+        let line = run.stdout.lines().find(|line| line.starts_with("  slack")).unwrap().to_owned();
+        (run.code, line)
+    };
+    let of = |code: i32, words: &str| (code, format!("  slack           {words}"));
+    let taut = line("scr.toml --displacement a=5mm,b=-2.4mm,c=-2.4mm");
+    assert_eq!(taut, of(0, "no tendon is slack"));
+    let home = line("scr.toml --displacement a=5mm,b=2mm,c=0mm");
+    assert_eq!(home, of(0, "no tendon is slack"));
+    let out = line("scr.toml --displacement a=5mm,b=-5mm,c=-5mm");
+    assert_eq!(out, of(0, "b, c slack, none of them pulled in"));
+    std::fs::write(folder.path("twice.toml"), SCR.replace("240 deg", "0 deg")).unwrap();
+    let fails = line("twice.toml --displacement a=5mm,b=-5mm,c=1mm");
+    assert_eq!(fails, of(1, "c slack although pulled in: FAILS"));
+    let run = folder.run("solve twice.toml --displacement a=5mm,b=-5mm,c=1mm --csv");
+    assert_eq!(run.stderr, "warning: check slack fails: c slack although pulled in: FAILS\n");
+}
