@@ -125,7 +125,7 @@ fn a_wrong_table_is_refused_before_anything_is_written() {
         format!(" --> commands.csv:1:{column}\n  |\n1 | {header}\n  | {marks}")
     };
     for (header, column, width, message, hint) in [
-        ("tension.a [N],tension.z [N]", 15, 13, "there is no tendon \"z\"", "did you mean \"a\"?"),
+        ("tension.a [N],tension.z [N]", 15, 13, "there is no tendon \"z\"", "tendons of this robot: a, b"),
         ("tensoin.a [N]", 1, 13, "unknown column \"tensoin.a\"", "did you mean \"tension.a\"?"),
         (
             "tension.a [N],displacement.a [mm]",
