@@ -61,6 +61,7 @@ impl Derivatives {
     pub(crate) fn text(&self, robot: &Robot) -> String {
         let mut text = String::new();
         let mut line = |input: String, pose: &PoseDerivative, unit: &str, per: f64| {
+            let unit = if unit.contains(' ') { format!("({unit})") } else { unit.to_owned() };
             let position = components(pose.position.as_slice(), MM / per, 3);
             let rotation = components(pose.rotation.as_slice(), 1_f64.to_degrees() / per, 3);
             text += &format!(

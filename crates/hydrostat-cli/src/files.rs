@@ -64,7 +64,7 @@ pub(crate) struct NewFile {
     pub(crate) file: fs::File,
     path: PathBuf,
     target: PathBuf,
-    beside: PathBuf,
+    pub(crate) beside: PathBuf,
 }
 
 impl NewFile {

@@ -17,6 +17,8 @@ pub(crate) struct Args {
 enum What {
     /// A rod: NAME.toml for `solve`
     Rod,
+    /// A rod with three tendons: NAME.toml for `solve`
+    Tendon,
     /// A bench: NAME.toml and its table for `verify`
     Bench,
 }
@@ -28,6 +30,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
     }
     let (templates, next) = match args.what {
         What::Rod => (vec![templates::rod(name)], "solve"),
+        What::Tendon => (vec![templates::tendon(name)], "solve"),
         What::Bench => (templates::bench(name).to_vec(), "verify"),
     };
     files::create_all(&templates)?;

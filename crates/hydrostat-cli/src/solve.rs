@@ -76,9 +76,15 @@ enum Method {
 pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
     let plot = args.plot.as_deref().map(|path| Format::of(path).map(|format| (path, format))).transpose()?;
     let parsed = description::parse_robot(&files::read_text(&args.robot)?, &args.robot.to_string_lossy())?;
-    warn(&parsed.warnings);
-    let mut robot = parsed.value;
-    description::parse_commands(&mut robot, &args.tension, &args.displacement, &args.released)?;
+    let (mut robot, mut warnings) = (parsed.value, parsed.warnings);
+    description::parse_commands(
+        &mut robot,
+        &mut warnings,
+        &args.tension,
+        &args.displacement,
+        &args.released,
+    )?;
+    warn(&warnings);
     let from = args.from.as_deref().map(json::read_stations).transpose()?;
 
     let method = match args.method {

@@ -1,7 +1,7 @@
 //! What `solve` prints: a summary in millimetres and degrees, or the stations as CSV.
 
 use crate::json::method;
-use crate::text::{MM, components};
+use crate::text::{MM, components, fixed};
 use hydrostat::solution::{Check, Report};
 use hydrostat::{Equilibrium, Robot};
 use std::fmt::Write;
@@ -9,6 +9,8 @@ use std::time::Duration;
 
 /// The check that is a yes or no; its number is in the report.
 const STABILITY: &str = "stability";
+/// The check that counts tendons; they are named instead.
+const SLACK: &str = "slack";
 
 /// The default output of `solve`.
 pub(crate) fn text(robot: &Robot, shape: &Equilibrium, took: Duration) -> String {
@@ -26,14 +28,15 @@ pub(crate) fn text(robot: &Robot, shape: &Equilibrium, took: Duration) -> String
     }
     for tendon in &shape.tendons {
         let slack = if tendon.slack { ", slack" } else { "" };
-        let (tension, pulled, length) = (tendon.tension, tendon.displacement * MM, tendon.length * MM);
+        let [pulled, length] = [tendon.displacement, tendon.length].map(|length| fixed(length * MM, 3));
         line(
             &format!("tendon {}", tendon.name),
-            format!("{tension:.4} N, pulled in {pulled:.3} mm, {length:.3} mm long{slack}"),
+            format!("{} N, pulled in {pulled} mm, {length} mm long{slack}", fixed(tendon.tension, 4)),
         );
     }
     for check in shape.checks.iter().filter(|check| check.name != STABILITY) {
-        line(check.name, check_in_words(check));
+        let in_words = if check.name == SLACK { slack_in_words(check, shape) } else { check_in_words(check) };
+        line(check.name, in_words);
     }
     line("stability", stability(report));
     line(
@@ -52,6 +55,7 @@ pub(crate) fn failures(shape: &Equilibrium) -> Vec<String> {
             "the equilibrium is unstable; a small side load or tilt of the base leads to the bent one"
                 .to_owned()
         }
+        SLACK => format!("check {SLACK} fails: {}", slack_in_words(check, shape)),
         name => format!("check {name} fails: {}", check_in_words(check)),
     };
     shape.checks.iter().filter(|check| !check.ok).map(in_words).collect()
@@ -80,7 +84,10 @@ fn check_in_words(check: &Check) -> String {
         "tension" => format!("{value:.3} N"),
         _ => format!("{value:.6}"),
     };
-    let place = check.at.map_or(String::new(), |at| format!(" at s = {:.1} mm", at * MM));
+    let mut place = check.at.map_or(String::new(), |at| format!(" at s = {:.1} mm", at * MM));
+    if !check.tendons.is_empty() {
+        let _ = write!(place, " in tendon {}", check.tendons.join(", "));
+    }
     let word = if check.ok { "" } else { ": FAILS" };
     let limit = if check.limit.is_finite() {
         format!("limit {}", show(check.limit))
@@ -88,6 +95,19 @@ fn check_in_words(check: &Check) -> String {
         "no limit given".to_owned()
     };
     format!("{}{place}, {limit}{word}", show(check.value))
+}
+
+/// The slack tendons by name; where the check fails, those that fail it.
+fn slack_in_words(check: &Check, shape: &Equilibrium) -> String {
+    let slack: Vec<&str> =
+        shape.tendons.iter().filter(|tendon| tendon.slack).map(|tendon| tendon.name.as_str()).collect();
+    if !check.ok {
+        format!("{} slack although pulled in: FAILS", check.tendons.join(", "))
+    } else if slack.is_empty() {
+        "no tendon is slack".to_owned()
+    } else {
+        format!("{} slack, none of them pulled in", slack.join(", "))
+    }
 }
 
 fn stability(report: &Report) -> String {

@@ -32,6 +32,15 @@ fn cross_section(section: &CrossSection) -> String {
 
 /// What a check found, where it failed.
 pub(crate) fn failed_check(check: &Check) -> String {
+    let tendons = check.tendons.join(", ");
+    match check.name {
+        "slack" => return format!("Check failed: {tendons} slack although pulled in."),
+        "tension" => {
+            let (value, limit) = (significant(check.value), significant(check.limit));
+            return format!("Check failed: tension is {value} N in tendon {tendons}, its limit {limit} N.");
+        }
+        _ => {}
+    }
     let (value, limit) = if check.name.contains("strain") {
         (format!("{} %", fixed(100.0 * check.value, 2)), format!("{} %", short(100.0 * check.limit, 2)))
     } else {

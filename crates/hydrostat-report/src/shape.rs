@@ -9,7 +9,7 @@ use crate::loads::{self, Shape};
 use crate::tendons;
 use crate::text::{fixed, millimetres, prefixed, wrap};
 use crate::ticks::{decimals, nice_step, ticks};
-use crate::view::{Axis, View, direction_name, side_and_front};
+use crate::view::{Axis, View, direction_in_words, direction_name, side_and_front};
 use hydrostat::model::Section;
 use hydrostat::{Equilibrium, Robot};
 use nalgebra::Vector3;
@@ -62,7 +62,7 @@ pub fn shape_svg(robot: &Robot, equilibrium: &Equilibrium) -> String {
     }
     let width = taken(&frames);
     let mut page = Canvas::new();
-    let mut y = header(&mut page, robot, equilibrium, width);
+    let mut y = header(&mut page, robot, equilibrium, &views, width);
     y += HEADING + 6.0;
     let mut x = left;
     for ((frame, scene), (view, first)) in frames.iter().zip(&scenes).zip(views.iter().zip([true, false])) {
@@ -271,7 +271,8 @@ fn panel(page: &mut Canvas, view: &View, shape: &Shape, frame: &Rect, origin: P,
 }
 
 fn axis_name(axis: &Axis) -> String {
-    format!("{} in mm", axis.name)
+    let comma = if axis.name.contains(' ') { "," } else { "" };
+    format!("{}{comma} in mm", axis.name)
 }
 
 fn heading_width(view: &View) -> f64 {
@@ -295,7 +296,7 @@ fn heading(page: &mut Canvas, robot: &Robot, view: &View, area: Rect) {
 }
 
 /// Name, tip, and whatever the solver wants known; returns where it ends.
-fn header(page: &mut Canvas, robot: &Robot, equilibrium: &Equilibrium, width: f64) -> f64 {
+fn header(page: &mut Canvas, robot: &Robot, equilibrium: &Equilibrium, views: &[View; 2], width: f64) -> f64 {
     let title = Type::bold(21.0, INK);
     let room = width - 2.0 * MARGIN;
     let name = if robot.name.trim().is_empty() { "Robot without a name" } else { &robot.name };
@@ -305,10 +306,11 @@ fn header(page: &mut Canvas, robot: &Robot, equilibrium: &Equilibrium, width: f6
         y += 27.0;
     }
     let tip = coordinates(&equilibrium.tip.position);
-    let mut lines = vec![(
-        MUTED,
-        format!("Backbone {}, to scale. Tip at (x, y, z) = {tip}.", millimetres(robot.length())),
-    )];
+    let [side, front] = views.each_ref().map(|view| direction_in_words(&view.away()));
+    let mut lines = vec![
+        (MUTED, format!("Backbone {}, to scale. Tip at (x, y, z) = {tip}.", millimetres(robot.length()))),
+        (MUTED, format!("The side view looks along {side}, the front view along {front}.")),
+    ];
     if equilibrium.report.stable == Some(false) {
         lines.push((SECOND, "Unstable: the robot would not stay in this shape.".to_owned()));
     }
@@ -365,8 +367,16 @@ fn legend(page: &mut Canvas, robot: &Robot, top: f64, width: f64) -> f64 {
         match mark {
             Mark::Line(pen) => page.line([x + 1.0, middle], [x + 25.0, middle], pen),
             Mark::Guide => {
+                // as drawn: the rim of a disk behind the backbone, or a tick where no tendon passes
+                if robot.tendons.is_empty() {
+                    page.line([x + 13.0, middle - 6.0], [x + 13.0, middle + 6.0], Pen::new(MUTED, 1.2));
+                } else {
+                    let at = |angle: f64| [x + 13.0 + 3.0 * angle.cos(), middle + 8.0 * angle.sin()];
+                    let rim: Vec<P> =
+                        (0..=36).map(|i| at(f64::from(i) * std::f64::consts::TAU / 36.0)).collect();
+                    page.polyline(&rim, tendons::RIM);
+                }
                 page.line([x + 1.0, middle], [x + 25.0, middle], Pen::new(ACCENT, 3.4));
-                page.line([x + 13.0, middle - 6.0], [x + 13.0, middle + 6.0], Pen::new(MUTED, 1.2));
             }
             Mark::Tip => page.circle([x + 18.0, middle], 4.5, WHITE, Some(Pen::new(INK, 1.8))),
             Mark::Gravity => {

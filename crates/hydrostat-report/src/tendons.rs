@@ -14,6 +14,9 @@ const SAMPLES: usize = 120;
 /// Guides whose size is not given reach this far beyond their holes.
 const BEYOND_HOLES: f64 = 1.25;
 
+/// Of guides.
+pub(crate) const RIM: Pen = Pen::new(GRID_HEAVY, 0.9);
+
 pub(crate) fn colour(number: usize) -> &'static str {
     COLOURS[number % COLOURS.len()]
 }
@@ -62,7 +65,7 @@ fn guides(canvas: &mut Canvas, robot: &Robot, shape: &Shape, view: &View) {
                 };
                 let rim: Vec<P> =
                     (0..=36).map(|i| edge(f64::from(i) * std::f64::consts::TAU / 36.0)).collect();
-                canvas.polyline(&rim, Pen::new(GRID_HEAVY, 0.9));
+                canvas.polyline(&rim, RIM);
             }
         }
         start += section.length;

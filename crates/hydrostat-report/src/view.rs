@@ -1,7 +1,7 @@
 //! From which sides a robot is seen.
 
 use crate::draw::P;
-use crate::text::fixed;
+use crate::text::{fixed, short};
 use hydrostat::{Equilibrium, Robot};
 use nalgebra::Vector3;
 
@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 #[derive(Clone, Debug)]
 pub(crate) struct Axis {
     pub(crate) direction: Vector3<f64>,
-    /// `x`, or the direction itself where it is no axis of the world.
+    /// `x`, or the direction in words where it is no axis of the world.
     pub(crate) name: String,
     /// -1 where the page's direction is the negative world axis.
     pub(crate) sign: f64,
@@ -26,6 +26,9 @@ pub(crate) struct View {
 /// A world axis is preferred to the exact plane of bending when it shows this share of the extent.
 const SHARE_OF_A_WORLD_AXIS: f64 = 0.9;
 
+/// Components below it are zero in words.
+const IN_PLANE: f64 = 1e-3;
+
 impl Axis {
     pub(crate) fn new(direction: Vector3<f64>) -> Axis {
         for (i, name) in ["x", "y", "z"].into_iter().enumerate() {
@@ -33,7 +36,7 @@ impl Axis {
                 return Axis { direction, name: name.to_owned(), sign: direction[i].signum() };
             }
         }
-        Axis { name: direction_name(&direction), direction, sign: 1.0 }
+        Axis { name: direction_in_words(&direction), direction, sign: 1.0 }
     }
 }
 
@@ -110,6 +113,23 @@ fn unit(v: &Vector3<f64>) -> Option<Vector3<f64>> {
     (norm.is_finite() && norm > 1e-12).then(|| v / norm)
 }
 
+/// A direction in words: `+x`, `+x turned 20° to −y`, or its components.
+pub(crate) fn direction_in_words(v: &Vector3<f64>) -> String {
+    let mut axes = [0, 1, 2];
+    axes.sort_by(|&i, &j| v[j].abs().total_cmp(&v[i].abs()));
+    let [most, less, least] = axes;
+    let angle = short(v[less].abs().atan2(v[most].abs()).to_degrees(), 1);
+    if v[least].abs() > IN_PLANE || !v.iter().all(|x| x.is_finite()) {
+        return direction_name(v);
+    }
+    let axis = |i: usize| {
+        let mut axis = Vector3::zeros();
+        axis[i] = v[i].signum();
+        direction_name(&axis)
+    };
+    if angle == "0" { axis(most) } else { format!("{} turned {angle}° to {}", axis(most), axis(less)) }
+}
+
 /// A direction in words: `+x`, `−z`, or its components.
 pub(crate) fn direction_name(v: &Vector3<f64>) -> String {
     for (i, name) in ["x", "y", "z"].into_iter().enumerate() {
@@ -118,4 +138,25 @@ pub(crate) fn direction_name(v: &Vector3<f64>) -> String {
         }
     }
     format!("({}, {}, {})", fixed(v[0], 2), fixed(v[1], 2), fixed(v[2], 2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn directions_in_words() {
+        let (sin, cos) = 20_f64.to_radians().sin_cos();
+        for (v, words) in [
+            ([1.0, 0.0, 0.0], "+x"),
+            ([0.0, 0.0, -1.0], "\u{2212}z"),
+            ([cos, sin, 0.0], "+x turned 20° to +y"),
+            ([-sin, 0.0, -cos], "\u{2212}z turned 20° to \u{2212}x"),
+            ([1.0, 1e-4, 0.0], "+x"),
+            ([0.48, 0.6, 0.64], "(0.48, 0.60, 0.64)"),
+            ([f64::NAN, 0.0, 0.0], "(–, 0.00, 0.00)"),
+        ] {
+            assert_eq!(direction_in_words(&Vector3::from(v)), words);
+        }
+    }
 }

@@ -4,6 +4,7 @@
 #[path = "../examples/synthetic/mod.rs"]
 mod synthetic;
 
+use hydrostat::solution::Check;
 use hydrostat::verify::{Experiment, Verification};
 use hydrostat::{Equilibrium, Robot};
 use hydrostat_report::{Provenance, shape_svg, verification_page};
@@ -113,6 +114,18 @@ fn failed_checks_are_said() {
     let svg = shape_svg(&robot, &equilibrium);
     assert!(svg.contains("Check failed: strain is 1.23 % at 0 mm from the base, its limit 1 %."));
     assert!(svg.contains("Unstable"));
+
+    equilibrium.checks[0] =
+        Check { name: "tension", value: 600.0, limit: 500.0, ok: false, at: None, tendons: vec!["a".into()] };
+    let svg = shape_svg(&robot, &equilibrium);
+    assert!(svg.contains("Check failed: tension is 600 N in tendon a, its limit 500 N."));
+    equilibrium.checks[0] = Check {
+        name: "slack",
+        value: 2.0,
+        tendons: vec!["b".into(), "c".into()],
+        ..equilibrium.checks[0].clone()
+    };
+    assert!(shape_svg(&robot, &equilibrium).contains("Check failed: b, c slack although pulled in."));
 }
 
 #[test]

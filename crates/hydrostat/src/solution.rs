@@ -58,6 +58,8 @@ pub struct Check {
     pub ok: bool,
     /// Arc length of the worst place.
     pub at: Option<f64>,
+    /// Names of the tendons that it is about: of the one nearest to its limit, or of all that fail.
+    pub tendons: Vec<String>,
 }
 
 /// How the answer was found.

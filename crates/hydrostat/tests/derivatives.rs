@@ -31,7 +31,8 @@ fn read(text: &str) -> Robot {
 fn commanded(text: &str, tensions: &str, displacements: &str) -> Robot {
     let mut robot = read(text);
     let list = |text: &str| if text.is_empty() { vec![] } else { vec![text.to_owned()] };
-    parse_commands(&mut robot, &list(tensions), &list(displacements), &[]).expect("commands");
+    parse_commands(&mut robot, &mut Vec::new(), &list(tensions), &list(displacements), &[])
+        .expect("commands");
     robot
 }
 

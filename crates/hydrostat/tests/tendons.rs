@@ -73,7 +73,7 @@ fn till_2019() {
     let mut robot = read(include_str!("../../../robots/till2019.toml"));
     for method in METHODS {
         robot.gravity = Vector3::new(9.81, 0.0, 0.0);
-        parse_commands(&mut robot, &["a=15N,c=0N".into()], &[], &[]).expect("commands");
+        parse_commands(&mut robot, &mut Vec::new(), &["a=15N,c=0N".into()], &[], &[]).expect("commands");
         let tip = solved(&robot, method).tip.position;
         // printed with seven digits
         assert!((tip - Vector3::new(0.182_211_7, 0.0, 0.453_229_3)).norm() < 2e-7, "{method:?} {tip}");
@@ -168,9 +168,9 @@ fn displacement_and_tension_are_inverse() {
 #[test]
 fn tendons_that_would_push_are_slack() {
     let mut robot = read(SHIPPED[1]);
-    parse_commands(&mut robot, &[], &["a=5mm,b=0mm,c=0mm".into()], &[]).expect("commands");
+    parse_commands(&mut robot, &mut Vec::new(), &[], &["a=5mm,b=0mm,c=0mm".into()], &[]).expect("commands");
     // the outer ones are paid out enough to hang
-    parse_commands(&mut robot, &[], &["b=-10mm".into()], &[]).expect("commands");
+    parse_commands(&mut robot, &mut Vec::new(), &[], &["b=-10mm".into()], &[]).expect("commands");
     let tendons = solved(&robot, Method::Energy).tendons;
     assert!((tendons[0].displacement - 5e-3).abs() < 1e-9 && tendons[0].tension > 0.0);
     assert!(tendons[1].slack && tendons[1].tension == 0.0, "{tendons:?}");
@@ -235,7 +235,7 @@ fn guides_converge_to_the_channel() {
 #[test]
 fn a_displacement_that_tears_the_tendon_is_an_error() {
     let mut robot = niti(&ONE.replace("radius", "breaking_load = \"10 N\"\nradius"));
-    parse_commands(&mut robot, &[], &["a=40mm".into()], &[]).expect("commands");
+    parse_commands(&mut robot, &mut Vec::new(), &[], &["a=40mm".into()], &[]).expect("commands");
     for method in METHODS {
         let error = solve(&robot, &by(method)).expect_err("tears");
         assert!(error.message().contains("tears"), "{error}");

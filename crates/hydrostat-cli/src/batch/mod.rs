@@ -12,7 +12,8 @@ use hydrostat::batch::{Chunk, solve_many};
 use hydrostat::statics::Settings;
 use hydrostat::{Error, Robot, description};
 use indicatif::{ProgressBar, ProgressStyle};
-use std::path::Path;
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, sync_channel};
@@ -42,9 +43,9 @@ pub(crate) fn run(commands: &Path, out: &Path, robot: &Robot, settings: &Setting
     let text = files::read_table(commands)?;
     let commands = description::parse_command_table(&text, &commands.to_string_lossy(), robot)?;
     drop(text);
-    let stop = stop_at_ctrl_c()?;
-    let bar = progress(commands.rows());
     let mut writer = Writer::create(out, &Table::new(robot, settings.stations, &[]))?;
+    let stop = stop_at_ctrl_c(writer.beside().to_owned())?;
+    let bar = progress(commands.rows());
 
     let began = Instant::now();
     let (send, receive) = sync_channel(QUEUE);
@@ -72,12 +73,13 @@ pub(crate) fn run(commands: &Path, out: &Path, robot: &Robot, settings: &Setting
     Ok(tally.outcome(out, commands.rows(), began.elapsed().as_secs_f64()))
 }
 
-/// A flag that Ctrl-C sets; the second time it ends the program.
-fn stop_at_ctrl_c() -> Result<Arc<AtomicBool>, Error> {
+/// A flag that Ctrl-C sets; the second time it ends the program and removes the unfinished file.
+fn stop_at_ctrl_c(unfinished: PathBuf) -> Result<Arc<AtomicBool>, Error> {
     let stop = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&stop);
     let handler = move || {
         if flag.swap(true, Ordering::Relaxed) {
+            let _ = fs::remove_file(&unfinished); // gone already where it is complete
             std::process::exit(crate::INTERRUPTED.into());
         }
     };

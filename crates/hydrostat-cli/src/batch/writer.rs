@@ -62,6 +62,11 @@ impl Writer {
         Ok(Writer { path: path.to_owned(), new, kind })
     }
 
+    /// Where the rows are until the file is complete.
+    pub(super) fn beside(&self) -> &Path {
+        &self.new.beside
+    }
+
     pub(super) fn write(&mut self, table: &Table) -> Result<(), Error> {
         let written = match &mut self.kind {
             Kind::Csv => self.new.file.write_all(csv(table).as_bytes()),

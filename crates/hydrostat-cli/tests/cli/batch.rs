@@ -125,7 +125,7 @@ fn a_wrong_table_is_refused_before_anything_is_written() {
         format!(" --> commands.csv:1:{column}\n  |\n1 | {header}\n  | {marks}")
     };
     for (header, column, width, message, hint) in [
-        ("tension.a [N],tension.z [N]", 15, 13, "there is no tendon \"z\"", "did you mean \"a\"?"),
+        ("tension.a [N],tension.z [N]", 15, 13, "there is no tendon \"z\"", "tendons of this robot: a, b"),
         ("tensoin.a [N]", 1, 13, "unknown column \"tensoin.a\"", "did you mean \"tension.a\"?"),
         (
             "tension.a [N],displacement.a [mm]",
@@ -207,6 +207,25 @@ fn ctrl_c_leaves_the_rows_that_are_done() {
     }
     assert_eq!(text.lines().count() - 1, done);
     assert!(0 < done && done < 60_000, "{done}");
+}
+
+/// Ends between the first Ctrl-C and the end of the rows that are being solved; before that the older file is not touched.
+#[cfg(unix)]
+#[test]
+fn a_second_ctrl_c_leaves_no_new_file() {
+    let folder = folder("batch_ctrl_c_twice", &tensions(60_000));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_hydrostat"));
+    command.args(CSV.split_whitespace()).current_dir(&folder.0);
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    while folder.files().len() < 3 {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    std::thread::sleep(Duration::from_millis(300));
+    let twice = format!("kill -INT {0}; sleep 0.002; kill -INT {0}", child.id());
+    Command::new("sh").args(["-c", &twice]).status().unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    let left = folder.files();
+    assert!(left.iter().all(|name| !name.ends_with(".tmp")), "{left:?}");
 }
 
 #[cfg(feature = "parquet")]

@@ -16,6 +16,35 @@ fn a_starter_rod_can_be_solved() {
 }
 
 #[test]
+fn a_starter_tendon_robot_can_be_solved() {
+    let folder = Folder::new("new_tendon");
+    let text = folder.run("new tendon mine").succeeds();
+    assert_eq!(text, "wrote mine.toml; next: hydrostat solve mine.toml\n");
+    let text = folder.run("solve mine.toml").succeeds();
+    for words in ["mine  ", "tendon a        2.0000 N", "tendon b        0.5000 N", "guide_spacing"] {
+        assert!(text.contains(words), "expected {words:?} in:\n{text}");
+    }
+    folder.run("solve mine.toml --tension a=3N --displacement c=-0.5mm").succeeds();
+}
+
+/// The keys that its comments offer are right.
+#[test]
+fn a_starter_tendon_robot_can_be_extended() {
+    let folder = Folder::new("new_tendon_keys");
+    folder.run("new tendon mine").succeeds();
+    let file = std::fs::read_to_string(folder.path("mine.toml")).unwrap();
+    let offered = |line: &&str| line.starts_with("# ") && line.contains(" = ");
+    let keys: Vec<&str> =
+        file.lines().filter(offered).map(|line| line[2..].split(' ').next().unwrap()).collect();
+    assert_eq!(keys, ["stiffness", "friction", "displacement", "released"]);
+    let all =
+        keys.iter().fold(file.clone(), |file, key| file.replace(&format!("# {key} ="), &format!("{key} =")));
+    std::fs::write(folder.path("mine.toml"), all).unwrap();
+    let text = folder.run("solve mine.toml").succeeds();
+    assert!(text.contains("tendon c        ") && text.contains("pulled in -0.500 mm"), "{text}");
+}
+
+#[test]
 fn a_starter_never_replaces_a_file() {
     let folder = Folder::with("new_over", "mine.csv", "my data");
     folder.run("new bench mine").refuses(&["mine.csv exists already"]);

@@ -108,3 +108,18 @@ fn the_format_documents_every_key() {
     let missing: Vec<_> = found.iter().filter(|key| !format.contains(&format!("`{key}`"))).collect();
     assert!(missing.is_empty(), "not in docs/format.md: {missing:?}");
 }
+
+/// Bent out of the world's planes: directions in words, and a symbol of the legend as the guides of both views.
+#[test]
+fn a_picture_says_where_it_looks() {
+    let scr = include_str!("../../../../robots/scr.toml");
+    let folder = Folder::with("oblique", "scr.toml", scr);
+    folder.run("solve scr.toml --tension a=3N,b=1N --plot scr.svg").succeeds();
+    let svg = std::fs::read_to_string(folder.path("scr.svg")).unwrap();
+    let looks = "The side view looks along +y turned 19.1° to \u{2212}x, the front view along \u{2212}x turned 19.1° to \u{2212}y.";
+    for words in [looks, ">+x turned 19.1° to +y, in mm<", ">z in mm<"] {
+        assert!(svg.contains(words), "expected {words:?} in:\n{svg}");
+    }
+    let rim = "stroke=\"#c2cad3\" stroke-width=\"0.9\"";
+    assert_eq!(svg.matches(rim).count(), 2 * 30 + 1);
+}

@@ -246,7 +246,68 @@ fn derivatives_in_the_summary_have_their_units() {
     let folder = Folder::with("summary_derivatives", "rod.toml", ROD);
     let text = folder.run("solve rod.toml --jacobian --compliance").succeeds();
     assert!(
-        text.contains("  tip per N y     [") && text.contains(" mm/N, [") && text.contains(" deg/N mm\n"),
+        text.contains("  tip per N y     [") && text.contains(" mm/N, [") && text.contains(" deg/N\n"),
         "{text}"
     );
+    let moment = text.lines().find(|line| line.contains("tip per N mm y")).unwrap();
+    assert!(moment.contains("] mm/(N mm), [") && moment.ends_with("] deg/(N mm)"), "{moment}");
+}
+
+const SCR: &str = include_str!("../../../../robots/scr.toml");
+
+#[test]
+fn an_unknown_tendon_is_answered_with_the_tendons() {
+    let run = Folder::with("unknown_tendon", "scr.toml", SCR).run("solve scr.toml --tension q=2N");
+    let hint = "hint: tendons of this robot: a, b, c\n";
+    assert_eq!(run.stderr, format!("error: --tension q=2N: there is no tendon \"q\"\n{hint}"));
+    let long = SCR.replace("name = \"b\"", "name = \"left\"");
+    let run = Folder::with("misspelt_tendon", "scr.toml", long).run("solve scr.toml --tension lefd=2N");
+    assert!(run.stderr.ends_with("\nhint: did you mean \"left\"?\n"), "{}", run.stderr);
+}
+
+/// Of tendons held by displacement; c in the hole of a, but pulled in less, has to push.
+#[test]
+fn slack_tendons_are_named() {
+    let folder = Folder::with("slack", "scr.toml", SCR);
+    let line = |command: &str| {
+        let run = folder.run(&format!("solve {command}"));
+        assert!(!run.stdout.contains(" -0.000 mm"), "{}", run.stdout);
+        let line = run.stdout.lines().find(|line| line.starts_with("  slack")).unwrap().to_owned();
+        (run.code, line)
+    };
+    let of = |code: i32, words: &str| (code, format!("  slack           {words}"));
+    let taut = line("scr.toml --displacement a=5mm,b=-2.4mm,c=-2.4mm");
+    assert_eq!(taut, of(0, "no tendon is slack"));
+    let home = line("scr.toml --displacement a=5mm,b=2mm,c=0mm");
+    assert_eq!(home, of(0, "no tendon is slack"));
+    let out = line("scr.toml --displacement a=5mm,b=-5mm,c=-5mm");
+    assert_eq!(out, of(0, "b, c slack, none of them pulled in"));
+    std::fs::write(folder.path("twice.toml"), SCR.replace("240 deg", "0 deg")).unwrap();
+    let fails = line("twice.toml --displacement a=5mm,b=-5mm,c=1mm");
+    assert_eq!(fails, of(1, "c slack although pulled in: FAILS"));
+    let run = folder.run("solve twice.toml --displacement a=5mm,b=-5mm,c=1mm --csv");
+    assert_eq!(run.stderr, "warning: check slack fails: c slack although pulled in: FAILS\n");
+}
+
+/// The file's command of a is above the breaking load, and its release is without friction.
+#[test]
+fn doubts_are_about_the_commands_in_force() {
+    let weak = SCR.replace("500 N\"", "1 N\"") + "released = [\"a\"]\n";
+    let folder = Folder::with("in_force", "scr.toml", weak);
+    let doubts = |flags: &str| folder.run(&format!("solve scr.toml {flags}")).stderr;
+    let file = doubts("");
+    for words in
+        ["key actuation.tension.a", "key actuation.released.a", "above the tendon's breaking load of 1 N"]
+    {
+        assert!(file.contains(words), "expected {words:?} in:\n{file}");
+    }
+    assert_eq!(doubts("--tension b=0.5N"), file, "the command of a is still in force");
+    assert_eq!(doubts("--tension a=0.5N"), "");
+    assert_eq!(doubts("--displacement a=0.5mm"), "");
+
+    let run = folder.run("solve scr.toml --tension a=0.5N,b=2N");
+    let doubt = "--tension b=2N: a tension of 2 N is above the tendon's breaking load of 1 N";
+    assert_eq!((run.code, run.stderr), (1, format!("warning: {doubt}\n")));
+    let check = "  tension         2.000 N in tendon b, limit 1.000 N: FAILS\n";
+    assert!(run.stdout.contains(check), "{}", run.stdout);
 }

@@ -98,7 +98,14 @@ pub(crate) fn integrate(robot: &Robot, u: impl Fn(f64) -> Vector3<f64>) -> Equil
         tendons: Vec::new(),
         tip: Pose { position: last.position, rotation: Rotation3::from_matrix_unchecked(last.rotation) },
         stations,
-        checks: vec![Check { name: "strain", value: 0.004, limit: 0.01, ok: true, at: Some(0.0) }],
+        checks: vec![Check {
+            name: "strain",
+            value: 0.004,
+            limit: 0.01,
+            ok: true,
+            at: Some(0.0),
+            tendons: Vec::new(),
+        }],
         report: Report {
             unstable_from: None,
             snapped_from: None,

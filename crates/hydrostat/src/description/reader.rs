@@ -59,7 +59,7 @@ impl<'t> Source<'t> {
         if table.get_ref().is_empty() {
             return Err(Error::new("the file is empty")
                 .at(self.place(0..0, ""))
-                .hint("`hydrostat new rod NAME` and `hydrostat new bench NAME` write first files"));
+                .hint("`hydrostat new rod NAME`, `hydrostat new tendon NAME` and `hydrostat new bench NAME` write first files"));
         }
         Ok(self.table(table.into_inner(), 0..0, String::new()))
     }

@@ -12,6 +12,11 @@ pub fn rod(name: &str) -> File {
     file(name, ".toml", include_str!("templates/rod.toml"))
 }
 
+/// The robot file of a rod with three tendons.
+pub fn tendon(name: &str) -> File {
+    file(name, ".toml", include_str!("templates/tendon.toml"))
+}
+
 /// A bench with mount angles of 0, 30 and 60 degrees: experiment, data and the rod that they are about.
 pub fn bench(name: &str) -> [File; 3] {
     let rod = include_str!("templates/rod.toml");

@@ -6,6 +6,7 @@ use super::robot::read_name;
 use super::section::{in_mm, thickness};
 use super::unit::quoted;
 use crate::Error;
+use crate::error::Place;
 use crate::model::{Command, Motion, Path, Robot, Routing, Section, Tendon};
 
 pub(super) const TENDON_KEYS: &[&str] = &[
@@ -95,13 +96,17 @@ fn read_end(node: &Node, sections: &[Section]) -> Result<usize, Error> {
     let name = node.text("the name of a section")?;
     let names: Vec<&str> = sections.iter().map(|section| section.name.as_str()).collect();
     names.iter().position(|known| *known == name).ok_or_else(|| {
-        node.error(format!("there is no section {} for the tendon to end at", quoted(name))).hint(
-            match nearest(name, &names) {
-                Some(near) => format!("did you mean \"{near}\"?"),
-                None => format!("sections of this robot: {}", names.join(", ")),
-            },
-        )
+        node.error(format!("there is no section {} for the tendon to end at", quoted(name)))
+            .hint(near_or_all(name, &names, "sections"))
     })
+}
+
+/// The name that was meant, or all there are: names of a letter or two are all near each other.
+fn near_or_all(name: &str, names: &[&str], kind: &str) -> String {
+    match nearest(name, names).filter(|near| near.chars().count() > 2) {
+        Some(near) => format!("did you mean \"{near}\"?"),
+        None => format!("{kind} of this robot: {}", names.join(", ")),
+    }
 }
 
 fn read_routing(node: &Node) -> Result<Routing, Error> {
@@ -210,15 +215,8 @@ pub(super) fn read_actuation(
             };
             let command = command(key, text, &tendons[tendon], length(&tendons[tendon]));
             commands[tendon] = command.map_err(|error| error.at(entry.node.place()))?;
-            if let (Command::Tension { tension, .. }, Some(limit)) =
-                (commands[tendon], tendons[tendon].breaking_load)
-                && tension > limit
-            {
-                let (tension, limit) = (rounded(tension), rounded(limit));
-                warnings.push(entry.node.error(format!(
-                    "a tension of {tension} N is above the tendon's breaking load of {limit} N"
-                )));
-            }
+            let doubt = above_breaking_load(&commands[tendon], &tendons[tendon]);
+            warnings.extend(doubt.map(|error| error.at(entry.node.place())));
         }
     }
     if let Some(node) = table.get("released") {
@@ -230,11 +228,28 @@ pub(super) fn read_actuation(
                 find(tendons, name.text("the name of a tendon")?).map_err(|error| error.at(name.place()))?;
             set_motion(&mut commands[tendon], Motion::Released);
             if tendons[tendon].friction == 0.0 {
-                warnings.push(name.error("without friction it does not matter that the tendon was released"));
+                let place = Place { key: format!("{}.{}", node.key, tendons[tendon].name), ..name.place() };
+                let message = "without friction it does not matter that the tendon was released";
+                warnings.push(Error::new(message).at(place));
             }
         }
     }
     Ok(commands)
+}
+
+fn above_breaking_load(command: &Command, tendon: &Tendon) -> Option<Error> {
+    let (&Command::Tension { tension, .. }, Some(limit)) = (command, tendon.breaking_load) else {
+        return None;
+    };
+    let (shown, shown_limit) = (rounded(tension), rounded(limit));
+    let message = format!("a tension of {shown} N is above the tendon's breaking load of {shown_limit} N");
+    (tension > limit).then(|| Error::new(message))
+}
+
+/// Whether a warning is about the file's command of this tendon: its key ends with the tendon's name.
+fn is_about_command(warning: &Error, tendon: &Tendon) -> bool {
+    let key = warning.place().and_then(|place| place.key.strip_prefix("actuation."));
+    key.and_then(|key| key.split_once('.')).is_some_and(|(_, name)| name == tendon.name)
 }
 
 fn kind_of(key: &str) -> &'static Kind {
@@ -245,11 +260,10 @@ pub(super) fn find(tendons: &[Tendon], name: &str) -> Result<usize, Error> {
     let names: Vec<&str> = tendons.iter().map(|tendon| tendon.name.as_str()).collect();
     names.iter().position(|known| *known == name).ok_or_else(|| {
         let error = Error::new(format!("there is no tendon {}", quoted(name)));
-        match nearest(name, &names) {
-            Some(near) => error.hint(format!("did you mean \"{near}\"?")),
-            None if names.is_empty() => error.hint("this robot has no tendons"),
-            None => error.hint(format!("tendons of this robot: {}", names.join(", "))),
-        }
+        error.hint(match names[..] {
+            [] => "this robot has no tendons".to_owned(),
+            _ => near_or_all(name, &names, "tendons"),
+        })
     })
 }
 
@@ -291,12 +305,14 @@ fn set_motion(command: &mut Command, new: Motion) {
 }
 
 /// Replaces commands of the robot by those of flags: `tension` and `displacement` such as `a=2N,b=0.5N`, and the names of
-/// the tendons whose last motion was a release, such as `a,b`.
+/// the tendons whose last motion was a release, such as `a,b`. Of `warnings`, those about commands that are replaced go, and those
+/// about the new ones come.
 ///
 /// # Errors
 /// Unknown tendons, one that is commanded twice, values that are no tension or displacement.
 pub fn parse_commands(
     robot: &mut Robot,
+    warnings: &mut Vec<Error>,
     tension: &[String],
     displacement: &[String],
     released: &[String],
@@ -321,7 +337,10 @@ pub fn parse_commands(
                 ));
             }
             let of = &robot.tendons[tendon];
-            robot.actuation[tendon] = command(key, value, of, robot.tendon_end(of)).map_err(within)?;
+            let command = command(key, value, of, robot.tendon_end(of)).map_err(within)?;
+            warnings.retain(|warning| !is_about_command(warning, of));
+            warnings.extend(above_breaking_load(&command, of).map(within));
+            robot.actuation[tendon] = command;
         }
     }
     for name in released.iter().flat_map(|text| text.split(',')) {

@@ -30,8 +30,9 @@ impl Strain {
             a > b || (a >= b && strain > check.value)
         };
         if self.worst.as_ref().is_none_or(better) {
+            let ok = strain <= limit;
             self.worst =
-                Some(Check { name: "strain", value: strain, limit, ok: strain <= limit, at: Some(s) });
+                Some(Check { name: "strain", value: strain, limit, ok, at: Some(s), tendons: Vec::new() });
         }
         Ok(())
     }
@@ -86,24 +87,23 @@ fn tension(robot: &Robot, states: &[TendonState]) -> Result<Option<Check>, Error
             .hint("pull it in less, or pay out the tendons on the other side"));
         }
         if worst.as_ref().is_none_or(|check| value / limit > check.value / check.limit) {
-            worst = Some(Check { name: "tension", value, limit, ok: value <= limit, at: None });
+            let (ok, tendons) = (value <= limit, vec![tendon.name.clone()]);
+            worst = Some(Check { name: "tension", value, limit, ok, at: None, tendons });
         }
     }
     Ok(worst)
 }
 
-/// Number of tendons that are slack although they are pulled in.
+/// Tendons that are slack although they are pulled in, and their number.
 fn slack(robot: &Robot, states: &[TendonState]) -> Option<Check> {
     let held = |command: &&Command| matches!(command, Command::Displacement { .. });
     robot.actuation.iter().find(held)?;
     let pulled_in = |command: &Command| matches!(command, Command::Displacement { displacement, .. } if *displacement > 0.0);
-    let count = robot
-        .actuation
-        .iter()
-        .zip(states)
-        .filter(|(command, state)| pulled_in(command) && state.slack)
-        .count();
-    Some(Check { name: "slack", value: count as f64, limit: 0.0, ok: count == 0, at: None })
+    let slack =
+        robot.actuation.iter().zip(states).filter(|(command, state)| pulled_in(command) && state.slack);
+    let tendons: Vec<String> = slack.map(|(_, state)| state.name.clone()).collect();
+    let (value, ok) = (tendons.len() as f64, tendons.is_empty());
+    Some(Check { name: "slack", value, limit: 0.0, ok, at: None, tendons })
 }
 
 /// Largest distance of a straight tendon from its hole's curve, as a fraction of the hole's radius, that is still a channel's.
@@ -120,9 +120,14 @@ impl GuideSpacing {
     pub(super) fn sample(&mut self, s: f64, away: f64, radius: f64) {
         let value = if radius > 0.0 { away / radius } else { 0.0 };
         if self.worst.as_ref().is_none_or(|check| value > check.value) {
-            let ok = value <= LARGEST_DEVIATION;
-            self.worst =
-                Some(Check { name: "guide_spacing", value, limit: LARGEST_DEVIATION, ok, at: Some(s) });
+            self.worst = Some(Check {
+                name: "guide_spacing",
+                value,
+                limit: LARGEST_DEVIATION,
+                ok: value <= LARGEST_DEVIATION,
+                at: Some(s),
+                tendons: Vec::new(),
+            });
         }
     }
 

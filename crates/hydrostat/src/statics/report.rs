@@ -210,7 +210,7 @@ fn rod_checks(
 
 fn stability(judged: &Judged) -> Option<Check> {
     let value = judged.smallest_eigenvalue.unwrap_or(f64::NAN);
-    judged.stable.map(|ok| Check { name: "stability", value, limit: 0.0, ok, at: None })
+    judged.stable.map(|ok| Check { name: "stability", value, limit: 0.0, ok, at: None, tendons: Vec::new() })
 }
 
 /// Arc length of the i-th of `count` points, both ends included.

@@ -125,7 +125,7 @@ fn empty_files() {
         let first = text.lines().next().unwrap_or("").trim_end();
         let expected = format!(
             "the file is empty\n --> rod.toml:1:1\n  |\n1 | {first}\n  | ^\n\
-             hint: `hydrostat new rod NAME` and `hydrostat new bench NAME` write first files"
+             hint: `hydrostat new rod NAME`, `hydrostat new tendon NAME` and `hydrostat new bench NAME` write first files"
         );
         assert_eq!(robot_error(text), expected);
     }
