@@ -2,6 +2,7 @@
 
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "it talks to a developer")]
 
+mod count;
 mod docs;
 mod licences;
 mod test;
@@ -13,7 +14,8 @@ const USAGE: &str = "\
 usage: cargo xtask TASK
   test            set up and run every check
   docs            rewrite the documents that the program writes
-  docs --check    fail if one of them is out of date";
+  docs --check    fail if one of them is out of date
+  count           instructions per solve, by valgrind (docs/performance.md)";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -22,6 +24,7 @@ fn main() -> ExitCode {
         ["test"] => test::run(),
         ["docs"] => docs::build().and_then(|()| docs::write()),
         ["docs", "--check"] => docs::build().and_then(|()| docs::check()),
+        ["count"] => count::count(),
         _ => Err(USAGE.to_owned()),
     };
     match done {

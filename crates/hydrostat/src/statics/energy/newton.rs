@@ -15,9 +15,11 @@ pub(super) struct Linear {
     gradient: Column,
     length: Column,
     lengths: Vec<Folded>,
-    pulls: Vec<Column>,
+    pull: Column,
     pub(super) step: Step,
     responses: Vec<Step>,
+    /// Length that the held tendons give per tension of each, theory (36); as old as the factors.
+    border: DMatrix<f64>,
     /// New tensions of the held tendons.
     pub(super) tensions: Vec<f64>,
     /// Length that each held tendon gives per tension, by the robot and by itself.
@@ -93,7 +95,7 @@ impl Equations<'_> {
     pub(super) fn linearise(&self, memory: &mut Memory, mesh: &mut Mesh, shift: f64) -> Linearised {
         let residual = self.evaluate(memory, mesh);
         let negative = memory.sweep.factor(&self.problem(&memory.drive.tensions), mesh, shift);
-        self.step(memory, mesh, residual, negative)
+        self.step(memory, mesh, residual, negative, false)
     }
 
     /// Places the shape and finds the gradient there. Returns its size.
@@ -125,14 +127,24 @@ impl Equations<'_> {
     fn reuse(&self, memory: &mut Memory, mesh: &mut Mesh) -> Linearised {
         let residual = self.evaluate(memory, mesh);
         let negative = memory.sweep.factored;
-        self.step(memory, mesh, residual, negative)
+        self.step(memory, mesh, residual, negative, true)
     }
 
     /// Newton's step by the factors at hand.
-    fn step(&self, memory: &mut Memory, mesh: &Mesh, residual: f64, negative: Option<usize>) -> Linearised {
+    fn step(
+        &self,
+        memory: &mut Memory,
+        mesh: &Mesh,
+        residual: f64,
+        negative: Option<usize>,
+        reused: bool,
+    ) -> Linearised {
         let Memory { sweep, linear, drive } = memory;
         linear.gradient.negate();
         sweep.solve(mesh, self.tables, &linear.gradient, &mut linear.step);
+        if !(reused && linear.border.nrows() == drive.held.len()) {
+            self.border(sweep, linear, drive, mesh);
+        }
         let held = self.hold(sweep, linear, drive, mesh);
         Linearised {
             correction: larger(linear.step.size, held.change),
@@ -148,6 +160,21 @@ impl Equations<'_> {
         gradient.dot(&memory.linear.step)
     }
 
+    /// How the lengths of the held tendons answer their tensions, theory (36).
+    fn border(&self, sweep: &mut Sweep, linear: &mut Linear, drive: &Drive, mesh: &Mesh) {
+        let count = drive.held.len();
+        linear.lengths.resize_with(count, Folded::default);
+        linear.responses.resize_with(count, Step::default);
+        for (i, &tendon) in drive.held.iter().enumerate() {
+            tendons::length_form(mesh, sweep, tendon, false, &mut linear.length);
+            linear.length.fold(sweep, mesh, self.tables, &mut linear.lengths[i]);
+            tendons::length_form(mesh, sweep, tendon, true, &mut linear.pull);
+            sweep.solve(mesh, self.tables, &linear.pull, &mut linear.responses[i]);
+        }
+        let (lengths, responses) = (&linear.lengths, &linear.responses);
+        linear.border = DMatrix::from_fn(count, count, |i, j| lengths[i].dot(&responses[j]));
+    }
+
     /// Corrects the step so that taut tendons keep their lengths, and finds their tensions (Schur complement, theory (36)).
     fn hold(&self, sweep: &mut Sweep, linear: &mut Linear, drive: &mut Drive, mesh: &Mesh) -> Held {
         let count = drive.held.len();
@@ -155,17 +182,7 @@ impl Equations<'_> {
         if count == 0 {
             return Held::default();
         }
-        linear.lengths.resize_with(count, Folded::default);
-        linear.pulls.resize_with(count, Column::default);
-        linear.responses.resize_with(count, Step::default);
-        for (i, &tendon) in drive.held.iter().enumerate() {
-            tendons::length_form(mesh, sweep, tendon, false, &mut linear.length);
-            linear.length.fold(sweep, mesh, self.tables, &mut linear.lengths[i]);
-            tendons::length_form(mesh, sweep, tendon, true, &mut linear.pulls[i]);
-            sweep.solve(mesh, self.tables, &linear.pulls[i], &mut linear.responses[i]);
-        }
-        let dot = |i: usize, step: &Step| linear.lengths[i].dot(step);
-        let mut s = DMatrix::from_fn(count, count, |i, j| dot(i, &linear.responses[j]));
+        let mut s = linear.border.clone();
         linear.compliances.clear();
         for (i, &tendon) in drive.held.iter().enumerate() {
             s[(i, i)] += drive.compliance(self.robot, tendon) + drive.springs.give.get(i).unwrap_or(&0.0);
@@ -175,7 +192,7 @@ impl Equations<'_> {
         let excess = DVector::from_fn(count, |i, _| {
             drive.excess(self.robot, drive.held[i], self.factor) + drive.springs.lag(i, drive.held[i], now[i])
         });
-        let right = DVector::from_fn(count, |i, _| dot(i, &linear.step)) + &excess + &s * &now;
+        let right = DVector::from_fn(count, |i, _| linear.lengths[i].dot(&linear.step)) + &excess + &s * &now;
         let symmetric = 0.5 * (&s + s.transpose());
         let curvatures = symmetric.clone().symmetric_eigenvalues();
         let negative = curvatures.iter().filter(|value| **value < -1e-12 * curvatures.amax()).count();
