@@ -300,6 +300,24 @@ fn between_stations(robot: &Robot, found: &Equilibrium) -> f64 {
     jumps.fold(0.0, |largest, jump| if largest >= jump { largest } else { jump })
 }
 
+/// The full load at once, from the bend of the tendons, leads where small steps of all loads together lead.
+#[test]
+fn the_load_at_once_leads_where_small_steps_lead() {
+    let at_once = Settings { eigenvalue: false, ..Settings::default() };
+    let in_steps = Settings { largest_load_step: 0.2, ..at_once.clone() };
+    let mut compared = 0;
+    for index in 0..200 {
+        let robot = robustness::tendon_robot(3, index);
+        if let (Ok(a), Ok(b)) = (solve(&robot, &at_once), solve(&robot, &in_steps)) {
+            let apart = (a.tip.position - b.tip.position).norm() / robot.length();
+            assert!(apart < INDEPENDENT, "robot {index}: {apart:.1e} L");
+            assert_eq!(a.report.stable, b.report.stable, "robot {index}");
+            compared += 1;
+        }
+    }
+    assert!(compared > 195, "{compared}");
+}
+
 /// This file is about the shooting method.
 fn shooting() -> Settings {
     Settings { method: hydrostat::solution::Method::Shooting, ..Settings::default() }

@@ -1,7 +1,10 @@
 //! What the solver says of stability, against columns whose answer is known.
 
-use hydrostat::model::{CrossSection, Frame, Load, LoadKind, Material, Pose, Profile, Section};
-use hydrostat::statics::{Settings, solve};
+use hydrostat::model::{
+    Command, CrossSection, Frame, Load, LoadKind, Material, Motion, Path, Pose, Profile, Routing, Section,
+    Tendon,
+};
+use hydrostat::statics::{Settings, Workspace, solve, solve_near};
 use hydrostat::{Equilibrium, Robot};
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::PI;
@@ -64,6 +67,50 @@ fn solved(robot: &Robot) -> Equilibrium {
 /// Value of the check and whether it passed.
 fn stability_check(found: &Equilibrium) -> Option<(f64, bool)> {
     found.checks.iter().find(|check| check.name == "stability").map(|check| (check.value, check.ok))
+}
+
+/// A warm start whose steps are too small to need another Hessian: the load alone takes a straight column over Euler's load.
+#[test]
+fn the_energy_method_sees_a_straight_column_buckle_between_warm_starts() {
+    let settings = Settings { eigenvalue: false, ..Settings::default() };
+    let mut workspace = Workspace::default();
+    for step in 0..40 {
+        let part = 0.51 + 0.02 * f64::from(step);
+        let found = solve_near(&thrust(part), &settings, &mut workspace).expect("straight");
+        assert!(found.tip.position.xy().norm() < 1e-9);
+        assert_eq!(found.report.stable, Some(part < 1.0), "{part} of Euler's load");
+    }
+    // asked not to judge, it says nothing
+    let bare = Settings { stability: false, ..settings };
+    let found = solve_near(&thrust(1.31), &bare, &mut workspace).expect("straight");
+    assert_ne!(found.report.stable, Some(true));
+}
+
+/// Tendons paid out hold nothing: the column buckles as without them. The same tendons taut hold it.
+#[test]
+fn slack_tendons_do_not_hold_a_column() {
+    for (displacement, stable) in [(-1e-4, false), (1e-6, true)] {
+        let mut robot = thrust(1.2);
+        for i in 0..3 {
+            let angle = 2.0 * PI * f64::from(i) / 3.0;
+            robot.tendons.push(Tendon {
+                name: i.to_string(),
+                ends: 0,
+                path: Path { radius: 0.02, tip_radius: 0.02, angle, turns: 0.0 },
+                routing: Routing::Channel,
+                stiffness: None,
+                friction: 0.0,
+                breaking_load: None,
+                mass_per_length: 0.0,
+            });
+            robot.actuation.push(Command::Displacement { displacement, motion: Motion::Pulled });
+        }
+        for eigenvalue in [true, false] {
+            let settings = Settings { eigenvalue, ..Settings::default() };
+            let found = solve(&robot, &settings).expect("straight");
+            assert_eq!(found.report.stable, Some(stable), "{displacement} m, eigenvalue {eigenvalue}");
+        }
+    }
 }
 
 #[test]

@@ -1,7 +1,8 @@
 //! A solve that starts from another robot's solution must end where a solve from cold does.
 
-use hydrostat::description::builtin;
-use hydrostat::model::{CrossSection, Frame, Load, LoadKind};
+use hydrostat::description::{builtin, parse_robot};
+use hydrostat::model::{Command, CrossSection, Frame, Load, LoadKind, Motion};
+use hydrostat::solution::Method;
 use hydrostat::statics::{Settings, Workspace, solve, solve_near};
 use hydrostat::validate::robustness;
 use hydrostat::{Equilibrium, Robot};
@@ -11,8 +12,8 @@ use nalgebra::{Rotation3, Vector3};
 const TOLERANCE: f64 = 1e-10;
 const CLOSE: f64 = 2.0 * TOLERANCE;
 
-fn settings() -> Settings {
-    Settings { tolerance: TOLERANCE, eigenvalue: false, ..shooting() }
+fn settings(method: Method) -> Settings {
+    Settings { tolerance: TOLERANCE, eigenvalue: false, method, ..Settings::default() }
 }
 
 fn load(kind: LoadKind) -> Load {
@@ -72,11 +73,14 @@ fn distance(a: &Equilibrium, b: &Equilibrium, length: f64) -> f64 {
     stations.max((a.tip.position - b.tip.position).norm()) / length
 }
 
-fn assert_same(robot: &Robot, workspace: &mut Workspace, what: &str) {
-    let near = solve_near(robot, &settings(), workspace).unwrap_or_else(|error| panic!("{what}: {error}"));
-    let cold = solve(robot, &settings()).unwrap_or_else(|error| panic!("{what}: {error}"));
+fn assert_same(robot: &Robot, method: Method, workspace: &mut Workspace, what: &str) {
+    let what = format!("{method:?}, {what}");
+    let settings = settings(method);
+    let near = solve_near(robot, &settings, workspace).unwrap_or_else(|error| panic!("{what}: {error}"));
+    let cold = solve(robot, &settings).unwrap_or_else(|error| panic!("{what}: {error}"));
     let found = distance(&near, &cold, robot.length());
     assert!(found <= CLOSE, "{what}: {found:.1e}");
+    assert_eq!(near.report.stable, cold.report.stable, "{what}");
     // what else the workspace answers belongs to the same solution
     let middle = workspace.station(robot, 0.5 * robot.length()).expect("a solution was found");
     let off = (middle.position - cold.stations[50].position).norm() / robot.length();
@@ -106,23 +110,63 @@ fn any_change_of_the_robot_gives_what_a_cold_solve_gives() {
             robot
         }),
     ];
+    for method in [Method::Shooting, Method::Energy] {
+        there_and_back(method, &robots);
+    }
+}
+
+fn there_and_back(method: Method, robots: &[(&str, Robot)]) {
     let mut workspace = Workspace::default();
-    for (from, first) in &robots {
-        for (to, second) in &robots {
-            assert_same(first, &mut workspace, &format!("{to} -> {from}"));
-            assert_same(second, &mut workspace, &format!("{from} -> {to}"));
+    for (from, first) in robots {
+        for (to, second) in robots {
+            assert_same(first, method, &mut workspace, &format!("{to} -> {from}"));
+            assert_same(second, method, &mut workspace, &format!("{from} -> {to}"));
         }
     }
+}
+
+fn commanded(text: &str, commands: [Command; 3]) -> Robot {
+    let mut robot = parse_robot(text, "test.toml").expect("is valid").value;
+    robot.actuation[..3].copy_from_slice(&commands);
+    robot
+}
+
+/// Tendons by tension and by displacement, taut and slack, in channels and between guides, rubbing; a follower that comes and goes.
+#[test]
+fn any_change_of_a_tendon_robot_gives_what_a_cold_solve_gives() {
+    let pulled =
+        |tensions: [f64; 3]| tensions.map(|tension| Command::Tension { tension, motion: Motion::Pulled });
+    let held =
+        |mm: [f64; 3]| mm.map(|mm| Command::Displacement { displacement: 1e-3 * mm, motion: Motion::Pulled });
+    const SCR: &str = include_str!("../../../robots/scr.toml");
+    const TILL: &str = include_str!("../../../robots/till2019.toml");
+    let follower = |force: f64| with_follower(commanded(TILL, pulled([3.0, 1.0, 0.0])), force);
+    let robots = [
+        ("guides", commanded(SCR, pulled([5.0, 2.0, 1.0]))),
+        ("guides, a little more", commanded(SCR, pulled([5.02, 2.01, 1.0]))),
+        ("guides, held", commanded(SCR, held([5.0, -2.4, -2.4]))),
+        ("guides, held, slack", commanded(SCR, held([5.0, -9.0, -9.0]))),
+        ("channels", commanded(TILL, pulled([3.0, 1.0, 0.0]))),
+        ("channels, a little more", commanded(TILL, pulled([3.01, 1.0, 0.0]))),
+        ("channels, held", commanded(TILL, held([2.0, 0.0, -3.0]))),
+        (
+            "channels, rubbing",
+            commanded(&TILL.replace("[[tendon]]", "[[tendon]]\nfriction = 0.1"), pulled([3.0, 1.0, 0.0])),
+        ),
+        ("a follower of no force", follower(0.0)),
+        ("a follower", follower(0.02)),
+    ];
+    there_and_back(Method::Energy, &robots);
 }
 
 #[test]
 fn a_refusal_leaves_a_workspace_that_still_works() {
     let robot = thesis_rod(1.0, 0.02);
-    let mut workspace = Workspace::default();
-    assert_same(&robot, &mut workspace, "first");
-    let impossible = Settings { tolerance: 1.0, ..settings() };
+    let (mut workspace, method) = (Workspace::default(), Method::Shooting);
+    assert_same(&robot, method, &mut workspace, "first");
+    let impossible = Settings { tolerance: 1.0, ..settings(method) };
     assert!(solve_near(&robot, &impossible, &mut workspace).is_err());
-    assert_same(&robot, &mut workspace, "after impossible settings");
+    assert_same(&robot, method, &mut workspace, "after impossible settings");
     let mut crushed = robot.clone();
     crushed.loads[0].kind = LoadKind::Point {
         at: robot.length(),
@@ -130,8 +174,8 @@ fn a_refusal_leaves_a_workspace_that_still_works() {
         moment: Vector3::zeros(),
         frame: Frame::World,
     };
-    assert!(solve_near(&crushed, &settings(), &mut workspace).is_err());
-    assert_same(&robot, &mut workspace, "after a crushed rod");
+    assert!(solve_near(&crushed, &settings(method), &mut workspace).is_err());
+    assert_same(&robot, method, &mut workspace, "after a crushed rod");
 }
 
 /// Other tolerances and intervals between solves change the mesh under the kept solution.
@@ -141,19 +185,24 @@ fn other_settings_in_between_do_not_matter() {
     for (tolerance, shooting_intervals) in
         [(1e-4, None), (1e-12, None), (1e-3, Some(1)), (1e-9, Some(3)), (1e-11, Some(1))]
     {
-        let between = Settings { tolerance, shooting_intervals, ..settings() };
+        let between = Settings { tolerance, shooting_intervals, ..settings(Method::Shooting) };
         solve_near(&robot, &between, &mut workspace).unwrap_or_else(|error| panic!("{error}"));
-        assert_same(&robot, &mut workspace, &format!("after {tolerance:e}, {shooting_intervals:?}"));
+        assert_same(
+            &robot,
+            Method::Shooting,
+            &mut workspace,
+            &format!("after {tolerance:e}, {shooting_intervals:?}"),
+        );
     }
 }
 
 /// Rods of the sweep in one workspace, loads 1 % up: the branch is the same as from cold.
 #[test]
 fn a_small_change_of_random_rods_stays_on_the_branch() {
-    for index in 0..100 {
+    for (index, method) in (0..100).flat_map(|index| [(index, Method::Shooting), (index, Method::Energy)]) {
         let robot = robustness::robot(11, index);
         let mut workspace = Workspace::default();
-        if solve_near(&robot, &settings(), &mut workspace).is_err() {
+        if solve_near(&robot, &settings(method), &mut workspace).is_err() {
             continue;
         }
         let mut more = robot.clone();
@@ -163,11 +212,6 @@ fn a_small_change_of_random_rods_stays_on_the_branch() {
                 (*force, *moment) = (1.01 * *force, 1.01 * *moment);
             }
         }
-        assert_same(&more, &mut workspace, &robot.name);
+        assert_same(&more, method, &mut workspace, &robot.name);
     }
-}
-
-/// This file is about the shooting method.
-fn shooting() -> Settings {
-    Settings { method: hydrostat::solution::Method::Shooting, ..Settings::default() }
 }

@@ -45,6 +45,8 @@ pub struct Settings {
     pub largest_load_step: f64,
     /// Whether to find the smallest eigenvalue of the energy's second variation, which takes longer than the shape.
     pub eigenvalue: bool,
+    /// Whether to judge stability even where a warm start has needed no new Hessian; without, it is then unknown.
+    pub stability: bool,
 }
 
 impl Default for Settings {
@@ -56,6 +58,7 @@ impl Default for Settings {
             shooting_intervals: None,
             largest_load_step: 1.0,
             eigenvalue: true,
+            stability: true,
         }
     }
 }

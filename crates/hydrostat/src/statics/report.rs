@@ -78,8 +78,12 @@ pub(super) fn of_energy(
         return Err(Error::new(format!("the section law has no answer at s = {:.4} m", station.s))
             .hint("a tendon bends the backbone around its own hole: pull less, or stiffen the backbone"));
     }
-    let falls = found.negative > 0;
-    let stable = if falls { Some(false) } else { chain.conservative.then_some(true) };
+    // loads that have no energy may set a robot in motion even where no direction is downhill
+    let stable = match found.negative {
+        Some(0) => chain.conservative.then_some(true),
+        Some(_) => Some(false),
+        None => None,
+    };
     let judged =
         Judged { stable, smallest_eigenvalue: found.smallest_eigenvalue, unstable_from: found.unstable_from };
     let tendons = energy.tendon_states(robot);

@@ -229,19 +229,23 @@ impl Solution<'_> {
     fn rub(&mut self, border: &Border, push: &Push) -> Result<Answer, Error> {
         let (mut anderson, mut change) = (Anderson::default(), f64::INFINITY);
         let mut rubbed = vec![0.0; self.mesh.shares().len() + self.robot.tendons.len()];
+        let mut last: Option<Step> = None;
         for _ in 0..MOST_TURNS {
             let (pull, stretch) = self.of_rubbed(&rubbed);
             let mut right = push.right.clone();
             add(&mut right, -1.0, &pull);
             let excess: Vec<f64> = push.excess.iter().zip(&stretch).map(|(a, b)| a - b).collect();
             let answer = self.hold(border, &right, &excess);
-            let next = self.rubbed(&answer.step);
-            let largest = next.iter().map(|x| x.abs()).fold(0.0, larger);
-            change = next.iter().zip(&rubbed).map(|(a, b)| (a - b).abs()).fold(0.0, larger);
-            if change <= SETTLED * largest.max(f64::MIN_POSITIVE) {
+            let mut way = answer.step.clone();
+            if let Some(last) = &last {
+                way.add(-1.0, last);
+                change = size(&way) / size(&answer.step).max(f64::MIN_POSITIVE);
+            }
+            if change <= SETTLED {
                 return Ok(Answer { stretch, ..answer });
             }
-            rubbed = anderson.next(&rubbed, &next);
+            rubbed = anderson.next(&rubbed, &self.rubbed(&answer.step));
+            last = Some(answer.step);
         }
         Err(Error::new(format!("the derivative with friction has not settled: last change {change:.1e}"))
             .hint("less friction, or smaller loads"))

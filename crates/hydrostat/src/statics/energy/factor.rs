@@ -133,7 +133,11 @@ impl Sweep {
         }
         // every gap's nu is a multiplier, with three negative pivots of its own
         let multipliers = 3 * mesh.gaps.iter().filter(|gap| !gap.panels.is_empty()).count();
-        let negative = negative.checked_sub(multipliers)?;
+        let negative = if problem.chain.symmetric {
+            negative.checked_sub(multipliers)?
+        } else {
+            negative.saturating_sub(multipliers)
+        };
         self.factored = Some(negative).filter(|_| shift == 0.0);
         Some(negative)
     }

@@ -8,6 +8,7 @@ mod derivatives;
 mod factor;
 mod following;
 mod friction;
+mod judge;
 mod mesh;
 mod newton;
 mod node;

@@ -48,9 +48,11 @@ const QUADRATIC_AT_FIRST: f64 = 100.0;
 const ROUNDING_CORRECTION: f64 = 1e-9;
 const ROUNDING_RESIDUAL: f64 = 1e-8;
 
+/// Curvatures below this part of the largest are rounding.
+const SMALLEST_CURVATURE: f64 = 1e-12;
 /// How far steps with the same factors may lead in all, rad, and by how much each must be smaller than the one before.
 const NEAR: f64 = 0.05;
-const QUICK: f64 = 0.1;
+const SHRINKING: f64 = 0.1;
 /// How much slower than the last step with the same factors the next may be.
 const SLOWER: f64 = 10.0;
 
@@ -58,10 +60,10 @@ const SLOWER: f64 = 10.0;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Converged {
     pub(super) residual: f64,
-    /// Directions in which the energy fell at the last linearisation, and the size of the step since then, 0 where steps with its
-    /// factors shrank so fast that the shape has the same stability.
+    /// Directions in which the energy fell where the factors were made, and how far the shape has moved since then, rad; infinity
+    /// where they were those of another robot or load.
     pub(super) negative: usize,
-    pub(super) correction: f64,
+    pub(super) moved: f64,
     /// Of the first two corrections; 0 where one was enough.
     pub(super) contraction: f64,
 }
@@ -193,9 +195,7 @@ impl Equations<'_> {
             drive.excess(self.robot, drive.held[i], self.factor) + drive.springs.lag(i, drive.held[i], now[i])
         });
         let right = DVector::from_fn(count, |i, _| linear.lengths[i].dot(&linear.step)) + &excess + &s * &now;
-        let symmetric = 0.5 * (&s + s.transpose());
-        let curvatures = symmetric.clone().symmetric_eigenvalues();
-        let negative = curvatures.iter().filter(|value| **value < -1e-12 * curvatures.amax()).count();
+        let negative = falling(&s);
         // taut tendons pull; where the chain alone is unstable there is no minimum to find them by
         let solved = if negative == 0 {
             nonnegative::minimise(&s, &right)
@@ -205,6 +205,10 @@ impl Equations<'_> {
         let Some(tensions) = solved else {
             return Held { change: f64::NAN, residual: f64::NAN, negative };
         };
+        // a slack tendon holds nothing
+        let pulling: Vec<usize> = (0..count).filter(|&i| tensions[i] > 0.0).collect();
+        let negative =
+            if negative == 0 { 0 } else { falling(&s.select_rows(&pulling).select_columns(&pulling)) };
         let mut held = Held { change: 0.0, residual: 0.0, negative };
         for i in 0..count {
             let change = tensions[i] - now[i];
@@ -246,14 +250,16 @@ impl Equations<'_> {
     ) -> Result<Converged, Stuck> {
         let (mut last, mut last_residual) = (f64::INFINITY, f64::INFINITY);
         let mut first_contraction: Option<f64> = None;
+        let mut made = false;
         for _ in 0..MAX_ITERATIONS {
             let reused = reuse && memory.sweep.holds_factors(mesh);
             let now = if reused { self.reuse(memory, mesh) } else { self.linearise(memory, mesh, 0.0) };
+            made |= !reused;
             *iterations += 1;
             let Linearised { correction, residual, .. } = now;
             let contraction = if correction > 0.0 { correction / last } else { 0.0 };
             let near = memory.sweep.moved + correction <= NEAR;
-            if reused && !(near && (contraction <= QUICK || correction <= ROUNDING_CORRECTION)) {
+            if reused && !(near && contraction <= SHRINKING) {
                 reuse = false;
                 continue;
             }
@@ -272,15 +278,17 @@ impl Equations<'_> {
                 first_contraction = first_contraction.or(Some(contraction));
             }
             // the step is taken; the next one would be too small to matter
+            let next = (SLOWER * contraction).min(SHRINKING);
             let ahead = match (reused, first) {
                 (true, true) => f64::INFINITY,
-                (true, false) => correction * (SLOWER * contraction).min(QUICK),
+                (true, false) => correction * next,
                 (false, true) => QUADRATIC_AT_FIRST * correction * correction,
                 (false, false) => correction * contraction.min(QUADRATIC * correction).max(1e-3 * correction),
             };
-            let closed = correction <= target && residual <= target.max(ROUNDING_RESIDUAL) || rounding;
-            if closed || ahead <= target {
-                if closed && residual > ROUNDING_RESIDUAL.max(target) {
+            let allowed = target.max(ROUNDING_RESIDUAL);
+            let closed = correction <= target && residual <= allowed || rounding;
+            if closed || ahead <= target && (!reused || next * residual <= allowed) {
+                if closed && residual > allowed {
                     return Err(Stuck { correction });
                 }
                 self.place(&mut memory.sweep, &mut memory.drive, mesh);
@@ -292,7 +300,7 @@ impl Equations<'_> {
                 return Ok(Converged {
                     residual: if closed { residual } else { ahead },
                     negative,
-                    correction: if reused { 0.0 } else { correction },
+                    moved: if made { memory.sweep.moved } else { f64::INFINITY },
                     contraction: first_contraction.unwrap_or(0.0),
                 });
             }
@@ -301,6 +309,15 @@ impl Equations<'_> {
         }
         Err(Stuck { correction: last })
     }
+}
+
+/// Number of negative eigenvalues of the symmetric part.
+fn falling(s: &DMatrix<f64>) -> usize {
+    if s.is_empty() {
+        return 0;
+    }
+    let curvatures = (0.5 * (s + s.transpose())).symmetric_eigenvalues();
+    curvatures.iter().filter(|value| **value < -SMALLEST_CURVATURE * curvatures.amax()).count()
 }
 
 /// What holding the tendons' lengths found.

@@ -16,7 +16,8 @@ use crate::{Error, Robot};
 pub(in crate::statics) struct Found {
     pub(in crate::statics) residual: f64,
     pub(in crate::statics) error_estimate: f64,
-    pub(in crate::statics) negative: usize,
+    /// Directions in which the energy falls; None where that was not judged.
+    pub(in crate::statics) negative: Option<usize>,
     pub(in crate::statics) smallest_eigenvalue: Option<f64>,
     pub(in crate::statics) unstable_from: Option<f64>,
     pub(in crate::statics) snapped_from: Option<f64>,
@@ -62,8 +63,6 @@ const MOST_BISECTIONS: usize = 6;
 const MOST_TURNS: usize = 50;
 /// Accuracy on the way to the full load: enough to start the next step.
 const ON_THE_WAY: f64 = 1e-5;
-/// A shape this far from the one at which the Hessian was last eliminated has the same stability, rad.
-const SAME_STABILITY: f64 = 1e-3;
 /// What the last refinement found: the highest coefficients, and the estimated error, m; both on the mesh before, too, where that is
 /// fine enough for the next solution.
 #[derive(Clone, Copy, Debug, Default)]
@@ -104,7 +103,7 @@ pub(super) struct Search<'a> {
     pub(super) settings: &'a Settings,
     pub(super) iterations: usize,
     /// Part of the loads at which the branch ended and the robot snapped.
-    snapped_from: Option<f64>,
+    pub(super) snapped_from: Option<f64>,
     /// Whether panels were cut in two on the way.
     relaid: bool,
 }
@@ -288,7 +287,9 @@ impl Search<'_> {
 
     /// The coarse mesh at rest, and the tendons with it.
     pub(super) fn lay(&mut self) {
-        let Energy { tables, layouts, coarse, memory, .. } = &mut *self.energy;
+        let Energy { tables, layouts, coarse, reached_drive, memory, .. } = &mut *self.energy;
+        // those of another robot
+        reached_drive.tensions.clear();
         coarse.rebuild(self.robot, self.chain, layouts, tables);
         memory.drive.rest(self.robot);
         tendons::at_rest(coarse, &mut memory.drive.home, self.robot.tendons.len());
@@ -298,17 +299,23 @@ impl Search<'_> {
     /// seen to be.
     pub(super) fn newton(&mut self, factor: f64, target: f64) -> Result<Converged, Stuck> {
         let rubs = self.rubs();
-        let (mut anderson, mut last) = (Anderson::default(), f64::INFINITY);
+        let (mut anderson, mut last, mut contraction) = (Anderson::default(), f64::INFINITY, None);
         for turn in 0..MOST_TURNS {
             let Energy { tables, coarse, memory, .. } = &mut *self.energy;
             let equations = Equations { robot: self.robot, chain: self.chain, tables, factor };
-            let converged = equations.newton(memory, coarse, target, turn > 0, &mut self.iterations)?;
+            let mut converged = equations.newton(memory, coarse, target, turn > 0, &mut self.iterations)?;
             if !rubs {
                 return Ok(converged);
             }
+            // how surely the branch was kept is told by the first turn
+            converged.contraction = *contraction.get_or_insert(converged.contraction);
             let Memory { sweep, drive, .. } = memory;
             let (means, ends) = (&mut drive.mean_shares, &mut drive.end_shares);
-            let before = coarse.shares();
+            let mut before = coarse.shares();
+            if means.is_empty() {
+                means.resize(self.robot.tendons.len(), 1.0);
+            }
+            before.extend_from_slice(means);
             let change = friction::update(self.robot, coarse, sweep, tables, means, ends);
             if change <= target {
                 return Ok(converged);
@@ -316,8 +323,12 @@ impl Search<'_> {
             if change > last {
                 anderson.restart();
             }
-            let next = anderson.next(&before, &coarse.shares());
-            coarse.set_shares(&next);
+            let mut after = coarse.shares();
+            let count = after.len();
+            after.extend_from_slice(means);
+            let next = anderson.next(&before, &after);
+            coarse.set_shares(&next[..count]);
+            means.copy_from_slice(&next[count..]);
             last = change;
         }
         Err(Stuck { correction: last })
@@ -495,98 +506,5 @@ impl Search<'_> {
             }
         }
         SHARES * largest * self.chain.length
-    }
-
-    fn judge(
-        &mut self,
-        end: Converged,
-        error_estimate: f64,
-        unstable_from: Option<f64>,
-    ) -> Result<Found, Error> {
-        if let Some(folded) = self.folded(1.0) {
-            return Err(folded);
-        }
-        let Energy { tables, coarse, memory, .. } = &mut *self.energy;
-        let equations = Equations { robot: self.robot, chain: self.chain, tables, factor: 1.0 };
-        let mut negative = end.negative;
-        let residual = if self.settings.eigenvalue || end.correction > SAME_STABILITY {
-            let taut = memory.drive.taut.clone();
-            let last = equations.linearise(memory, coarse, 0.0);
-            memory.drive.taut = taut;
-            negative = last.negative.unwrap_or(negative);
-            last.residual
-        } else {
-            equations.residual(memory, coarse)
-        };
-        // of loads that follow there is no energy whose eigenvalues would tell
-        let judges = self.settings.eigenvalue && !self.chain.follower;
-        let smallest_eigenvalue = judges.then(|| self.smallest_eigenvalue());
-        Ok(Found {
-            residual,
-            error_estimate,
-            negative,
-            smallest_eigenvalue,
-            unstable_from: unstable_from.or((negative > 0).then_some(1.0)),
-            snapped_from: self.snapped_from,
-            iterations: self.iterations,
-        })
-    }
-
-    /// Of the Hessian scaled by the elastic stiffness, by bisection on the inertia.
-    fn smallest_eigenvalue(&mut self) -> f64 {
-        const NEARLY_ONE: f64 = 0.999;
-        const ACCURACY: f64 = 1e-7;
-        const LOWEST: f64 = -1e6;
-        let mut below = |mu: f64| self.falls_with(-mu);
-        if !below(NEARLY_ONE) {
-            return 1.0;
-        }
-        let (mut low, mut high) = if below(0.0) { (-1.0, 0.0) } else { (0.0, NEARLY_ONE) };
-        while below(low) {
-            (low, high) = (2.0 * low, low);
-            if low < LOWEST {
-                return low;
-            }
-        }
-        while high - low > ACCURACY * (1.0 - low) {
-            let middle = 0.5 * (low + high);
-            if below(middle) { high = middle } else { low = middle }
-        }
-        0.5 * (low + high)
-    }
-
-    /// Whether the energy with a stiffer elastic part falls in some direction.
-    fn falls_with(&mut self, shift: f64) -> bool {
-        let Energy { tables, coarse, memory, .. } = &mut *self.energy;
-        let equations = Equations { robot: self.robot, chain: self.chain, tables, factor: 1.0 };
-        let taut = memory.drive.taut.clone();
-        let negative = equations.linearise(memory, coarse, shift).negative;
-        memory.drive.taut = taut;
-        negative != Some(0)
-    }
-
-    /// Tendons that the robot has bent around so far that nothing is left of their way.
-    fn folded(&self, reached: f64) -> Option<Error> {
-        let (tendon, s) = tendons::folded(&self.energy.coarse, &self.energy.memory.sweep)?;
-        let name = &self.robot.tendons[tendon].name;
-        let message = format!(
-            "the robot folds about tendon \"{name}\" near s = {s:.4} m at {:.3} % of the loads: the way from hole to hole \
-             shrinks to nothing there",
-            100.0 * reached
-        );
-        Some(Error::new(message).hint("pull less, set the guides closer, or stiffen the backbone"))
-    }
-
-    fn not_converged(&self, reached: f64, stuck: &Stuck) -> Error {
-        if let Some(folded) = self.folded(reached) {
-            return folded;
-        }
-        Error::new(format!(
-            "no equilibrium found beyond {:.3} % of the loads: {} Newton iterations, last correction {:.1e}",
-            100.0 * reached,
-            self.iterations,
-            stuck.correction
-        ))
-        .hint("the robot probably snaps or buckles there: lower the loads, or stiffen or shorten the robot")
     }
 }

@@ -174,6 +174,11 @@ impl Column {
 }
 
 impl Folded {
+    #[cfg(test)]
+    pub(super) fn parts(self) -> (Vec<Vector3<f64>>, Vec<Vector3<f64>>, Vec<Vector3<f64>>) {
+        (self.turn, self.v, self.cuts)
+    }
+
     /// The form applied to a variation.
     pub(super) fn dot(&self, step: &Step) -> f64 {
         let pairs = [(&self.turn, &step.turn), (&self.v, &step.v), (&self.cuts, &step.cuts)];

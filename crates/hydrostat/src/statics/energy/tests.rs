@@ -117,3 +117,97 @@ fn gradient_and_hessian_are_derivatives_of_the_energy() {
         );
     }
 }
+
+/// The tangent of loads without an energy: the solved step moves the gradient by the right-hand side, to the second order of the step.
+#[test]
+fn the_tangent_of_followers_and_dead_moments_is_that_of_the_gradient() {
+    for routed in [&[][..], &[Routing::Channel], &[Routing::Guides, Routing::Channel]] {
+        let mut robot = robot(routed);
+        let (force, moment) = (Vector3::new(0.4, -0.3, 0.2), Vector3::new(-0.1, 0.2, 0.15));
+        for frame in [Frame::Body, Frame::World] {
+            robot.loads.push(Load { name: None, kind: LoadKind::Point { at: 0.6, force, moment, frame } });
+            robot.loads.push(Load {
+                name: None,
+                kind: LoadKind::Distributed {
+                    from: 0.1,
+                    to: 0.7,
+                    force_per_length: moment,
+                    moment_per_length: 0.5 * force,
+                    frame,
+                },
+            });
+        }
+        let (mut chain, mut mesh, tables) = (Chain::default(), Mesh::default(), Tables::default());
+        chain.rebuild(&robot);
+        assert!(chain.follower && !chain.symmetric);
+        let layouts = vec![Layout { parts: 2, points: 3 }; chain.spans.len()];
+        mesh.rebuild(&robot, &chain, &layouts, &tables);
+        let tensions = [1.0, 2.0];
+        let problem = Problem {
+            chain: &chain,
+            tables: &tables,
+            factor: 0.9,
+            gravity: robot.gravity,
+            tensions: &tensions[..robot.tendons.len()],
+        };
+        // at the equilibrium, where a turn of the frame of a cut adds nothing to the gradient
+        let (mut sweep, mut gradient, mut step) = (Sweep::default(), Column::default(), Step::default());
+        for _ in 0..30 {
+            sweep.place(&mut mesh, &tables);
+            sweep.gradient(&problem, &mesh, &mut gradient);
+            sweep.factor(&problem, &mesh, 0.0).expect("is regular");
+            gradient.negate();
+            sweep.solve(&mesh, &tables, &gradient, &mut step);
+            let part = (0.3 / step.size).min(1.0);
+            mesh.turn.iter_mut().zip(&step.turn).for_each(|(turn, change)| *turn += part * change);
+            mesh.v.iter_mut().zip(&step.v).for_each(|(v, change)| *v += part * change);
+        }
+        assert!(step.size < 1e-12, "{}", step.size);
+        sweep.place(&mut mesh, &tables);
+        sweep.gradient(&problem, &mesh, &mut gradient);
+        sweep.factor(&problem, &mesh, 0.0).expect("is regular");
+        let mut right = Column::default();
+        right.clear(&mesh);
+        for (i, form) in right.nodes.iter_mut().enumerate() {
+            let phase = i as f64;
+            form.turn = Vector3::new(phase.sin(), (1.7 * phase).cos(), (2.3 * phase).sin());
+            form.v = Vector3::new((0.7 * phase).cos(), (1.1 * phase).sin(), (1.9 * phase).cos());
+        }
+        sweep.solve(&mesh, &tables, &right, &mut step);
+        let scale = 1e-5 / step.size;
+        let [behind, ahead] = [-scale, scale].map(|scale| {
+            let (mut moved, mut sweep, mut gradient) = (mesh.clone(), Sweep::default(), Column::default());
+            moved.turn.iter_mut().zip(&step.turn).for_each(|(turn, change)| *turn += scale * change);
+            moved.v.iter_mut().zip(&step.v).for_each(|(v, change)| *v += scale * change);
+            sweep.place(&mut moved, &tables);
+            sweep.gradient(&problem, &moved, &mut gradient);
+            gradient.reduced(&sweep, &moved, &tables)
+        });
+        let expected = right.reduced(&sweep, &mesh, &tables);
+        let largest = expected.iter().map(Vector3::amax).fold(0.0, f64::max);
+        for (i, expected) in expected.iter().enumerate() {
+            let found = (ahead[i] - behind[i]) / (2.0 * scale);
+            assert!((found - expected).amax() < 1e-5 * largest, "{routed:?} {i}: {found} {expected}");
+        }
+    }
+}
+
+impl Column {
+    /// On turns and v alone: the rotations of the cuts carried back to the turns before them.
+    fn reduced(&self, sweep: &Sweep, mesh: &Mesh, tables: &Tables) -> Vec<Vector3<f64>> {
+        let mut folded = Folded::default();
+        self.fold(sweep, mesh, tables, &mut folded);
+        let (mut turn, v, mut cuts) = folded.parts();
+        for k in (0..mesh.panels.len()).rev() {
+            let (panel, end) = (&mesh.panels[k], &sweep.panels[k].end);
+            let table = tables.of(panel.nodes.len());
+            for (node, e) in panel.nodes.clone().zip(&table.end) {
+                turn[node] += *e * end.jacobian.tr_mul(&cuts[k + 1]);
+            }
+            let carried = end.across.tr_mul(&cuts[k + 1]);
+            cuts[k] += carried;
+        }
+        turn.extend(v);
+        turn
+    }
+}

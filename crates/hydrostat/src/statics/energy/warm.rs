@@ -21,14 +21,17 @@ impl Search<'_> {
         self.take_mesh_before();
         let Energy { coarse, fine, memory, .. } = &mut *self.energy;
         std::mem::swap(coarse, fine);
-        let Drive { tensions, taut, held, .. } = &mut memory.drive;
+        let Drive { tensions, taut, held, mean_shares, .. } = &mut memory.drive;
+        let means = std::mem::take(mean_shares);
         let last = (std::mem::take(tensions), std::mem::take(taut), std::mem::take(held));
         self.lay();
         let rubs = self.rubs();
         let Energy { coarse, fine, reached, memory, .. } = &mut *self.energy;
         let same = fine.data.len() == coarse.data.len()
-            && fine.panels.len() == coarse.panels.len()
+            && fine.follows == coarse.follows
             && fine.gaps.len() == coarse.gaps.len()
+            && fine.panels.len() == coarse.panels.len()
+            && fine.panels.iter().zip(&coarse.panels).all(|(a, b)| a.nodes == b.nodes && a.gap == b.gap)
             && last.2 == memory.drive.held
             && last.0.len() == memory.drive.tensions.len();
         if !same {
@@ -38,6 +41,8 @@ impl Search<'_> {
         reached.rotations.clone_from(&fine.rotations);
         (memory.drive.tensions, memory.drive.taut, _) = last;
         if rubs {
+            coarse.set_shares(&fine.shares());
+            memory.drive.mean_shares = means;
             let end = self.newton(1.0, target).ok()?;
             return (!self.strayed(&end)).then_some((end, f64::INFINITY));
         }

@@ -1,0 +1,121 @@
+//! What is said of a converged shape, and of one that was not found.
+
+use super::newton::{Converged, Equations, Stuck};
+use super::search::{Found, Search};
+use super::{Energy, tendons};
+use crate::Error;
+
+/// Of a shape this far from the one at which the Hessian was eliminated, under the same loads, stability is the same, rad.
+const SAME_STABILITY: f64 = 1e-2;
+
+impl Search<'_> {
+    pub(super) fn judge(
+        &mut self,
+        end: Converged,
+        error_estimate: f64,
+        unstable_from: Option<f64>,
+    ) -> Result<Found, Error> {
+        if let Some(folded) = self.folded(1.0) {
+            return Err(folded);
+        }
+        let Energy { tables, coarse, memory, .. } = &mut *self.energy;
+        let equations = Equations { robot: self.robot, chain: self.chain, tables, factor: 1.0 };
+        let residual = equations.residual(memory, coarse);
+        let negative = if end.moved <= SAME_STABILITY && !self.settings.eigenvalue {
+            Some(end.negative)
+        } else if self.settings.eigenvalue || self.settings.stability {
+            self.falling(0.0)
+        } else {
+            None
+        };
+        // of loads that follow there is no energy whose eigenvalues would tell
+        let judges = self.settings.eigenvalue && !self.chain.follower;
+        let smallest_eigenvalue = judges.then(|| self.smallest_eigenvalue());
+        Ok(Found {
+            residual,
+            error_estimate,
+            negative,
+            smallest_eigenvalue,
+            unstable_from: unstable_from.or(negative.is_some_and(|count| count > 0).then_some(1.0)),
+            snapped_from: self.snapped_from,
+            iterations: self.iterations,
+        })
+    }
+
+    /// Of the Hessian scaled by the elastic stiffness, by bisection on the inertia.
+    fn smallest_eigenvalue(&mut self) -> f64 {
+        const NEARLY_ONE: f64 = 0.999;
+        const ACCURACY: f64 = 1e-7;
+        const LOWEST: f64 = -1e6;
+        let mut below = |mu: f64| self.falling(-mu) != Some(0);
+        if !below(NEARLY_ONE) {
+            return 1.0;
+        }
+        let (mut low, mut high) = if below(0.0) { (-1.0, 0.0) } else { (0.0, NEARLY_ONE) };
+        while below(low) {
+            (low, high) = (2.0 * low, low);
+            if low < LOWEST {
+                return low;
+            }
+        }
+        while high - low > ACCURACY * (1.0 - low) {
+            let middle = 0.5 * (low + high);
+            if below(middle) { high = middle } else { low = middle }
+        }
+        0.5 * (low + high)
+    }
+
+    /// Number of directions in which the energy with a stiffer elastic part falls while taut tendons keep their lengths; None where the
+    /// elimination breaks down.
+    fn falling(&mut self, shift: f64) -> Option<usize> {
+        let Energy { tables, coarse, memory, .. } = &mut *self.energy;
+        let equations = Equations { robot: self.robot, chain: self.chain, tables, factor: 1.0 };
+        if memory.drive.held.is_empty() {
+            return memory.sweep.factor(&equations.problem(&memory.drive.tensions), coarse, shift);
+        }
+        let taut = memory.drive.taut.clone();
+        let negative = equations.linearise(memory, coarse, shift).negative;
+        memory.drive.taut = taut;
+        negative
+    }
+
+    /// Tendons that the robot has bent around so far that nothing is left of their way.
+    fn folded(&self, reached: f64) -> Option<Error> {
+        let (tendon, s) = tendons::folded(&self.energy.coarse, &self.energy.memory.sweep)?;
+        let name = &self.robot.tendons[tendon].name;
+        let message = format!(
+            "the robot folds about tendon \"{name}\" near s = {s:.4} m at {:.3} % of the loads: the way from hole to hole \
+             shrinks to nothing there",
+            100.0 * reached
+        );
+        Some(Error::new(message).hint("pull less, set the guides closer, or stiffen the backbone"))
+    }
+
+    /// A tendon whose tension at the last shape found on the way is above its breaking load.
+    fn torn(&self, reached: f64) -> Option<Error> {
+        let tensions = self.energy.reached_drive.tensions.iter();
+        let (tendon, tension, limit) =
+            self.robot.tendons.iter().zip(tensions).find_map(|(tendon, tension)| {
+                tendon.breaking_load.filter(|limit| tension > limit).map(|limit| (tendon, tension, limit))
+            })?;
+        let message = format!(
+            "tendon \"{}\" tears: already at {:.3} % of the loads its tension is {tension:.3} N, its breaking load {limit:.3} N",
+            tendon.name,
+            100.0 * reached
+        );
+        Some(Error::new(message).hint("pull less, or let the tendons on the other side out"))
+    }
+
+    pub(super) fn not_converged(&self, reached: f64, stuck: &Stuck) -> Error {
+        if let Some(known) = self.folded(reached).or_else(|| self.torn(reached)) {
+            return known;
+        }
+        Error::new(format!(
+            "no equilibrium found beyond {:.3} % of the loads: {} Newton iterations, last correction {:.1e}",
+            100.0 * reached,
+            self.iterations,
+            stuck.correction
+        ))
+        .hint("the robot probably snaps or buckles there: lower the loads, or stiffen or shorten the robot")
+    }
+}
