@@ -2,10 +2,10 @@
 
 mod cases;
 
-use cases::{by_displacement, differentiate, guides, more, rao, scr, sections, settings};
+use cases::{by_displacement, differentiate, guides, judging, more, rao, scr, sections, settings};
 use divan::{Bencher, black_box};
 use hydrostat::model::Routing;
-use hydrostat::statics::{Workspace, solve_in, solve_near};
+use hydrostat::statics::{Settings, Workspace, solve_in, solve_near};
 use hydrostat::{Equilibrium, Robot};
 
 fn main() {
@@ -13,20 +13,20 @@ fn main() {
 }
 
 fn cold(bencher: Bencher, robot: &Robot) {
-    let (settings, mut workspace) = (settings(), Workspace::default());
+    let (settings, mut workspace) = (judging(), Workspace::default());
     bencher.bench_local(|| solve_in(black_box(robot), &settings, &mut workspace).expect("has an answer"));
 }
 
 /// From the last solution, every command 1 % away from it.
 fn warm(bencher: Bencher, robot: &Robot) {
-    warm_then(bencher, robot, |_, _| {});
+    warm_then(bencher, robot, &settings(), |_, _| {});
 }
 
-fn warm_then(bencher: Bencher, robot: &Robot, then: impl Fn(&Robot, &mut Workspace)) {
-    let (settings, mut workspace) = (settings(), Workspace::default());
+fn warm_then(bencher: Bencher, robot: &Robot, settings: &Settings, then: impl Fn(&Robot, &mut Workspace)) {
+    let mut workspace = Workspace::default();
     let mut robots = [robot.clone(), more(robot)];
     let mut solve = |robot: &Robot| -> Equilibrium {
-        let shape = solve_near(black_box(robot), &settings, &mut workspace).expect("has an answer");
+        let shape = solve_near(black_box(robot), settings, &mut workspace).expect("has an answer");
         then(robot, &mut workspace);
         shape
     };
@@ -48,6 +48,11 @@ fn warm_channel(bencher: Bencher) {
 }
 
 #[divan::bench]
+fn warm_channel_judged(bencher: Bencher) {
+    warm_then(bencher, &scr(Routing::Channel), &judging(), |_, _| {});
+}
+
+#[divan::bench]
 fn warm_channel_by_displacement(bencher: Bencher) {
     warm(bencher, &by_displacement(scr(Routing::Channel)));
 }
@@ -59,7 +64,7 @@ fn cold_channel_by_displacement(bencher: Bencher) {
 
 #[divan::bench]
 fn cold_channel_with_jacobian_and_compliance(bencher: Bencher) {
-    let (robot, settings, mut workspace) = (scr(Routing::Channel), settings(), Workspace::default());
+    let (robot, settings, mut workspace) = (scr(Routing::Channel), judging(), Workspace::default());
     bencher.bench_local(|| {
         let shape = solve_in(black_box(&robot), &settings, &mut workspace).expect("has an answer");
         differentiate(&robot, &mut workspace);
@@ -69,7 +74,7 @@ fn cold_channel_with_jacobian_and_compliance(bencher: Bencher) {
 
 #[divan::bench]
 fn warm_channel_with_jacobian_and_compliance(bencher: Bencher) {
-    warm_then(bencher, &scr(Routing::Channel), differentiate);
+    warm_then(bencher, &scr(Routing::Channel), &settings(), differentiate);
 }
 
 #[divan::bench]

@@ -48,7 +48,8 @@ fn main() -> ExitCode {
 }
 
 fn solve(robot: &Robot, start: Start, differentiates: bool, times: usize) {
-    let (settings, mut workspace) = (cases::settings(), Workspace::default());
+    let settings = if start == Start::Warm { cases::settings() } else { cases::judging() };
+    let mut workspace = Workspace::default();
     let robots = [robot, &cases::more(robot)];
     for time in 0..times {
         let robot = robots[if start == Start::Warm { time % 2 } else { 0 }];

@@ -169,26 +169,6 @@ mod tests {
     }
 
     #[test]
-    fn top_is_the_coefficient_of_the_highest_legendre_polynomial() {
-        // P_n(2t - 1) by its recurrence, less its value at 0: the other coefficients do not matter
-        for count in FEWEST..=MOST {
-            let legendre = |t: f64| {
-                let x = 2.0 * t - 1.0;
-                let (mut p, mut before) = (1.0, 0.0);
-                for k in 0..count {
-                    let k = k as f64;
-                    (p, before) = (((2.0 * k + 1.0) * x * p - k * before) / (k + 1.0), p);
-                }
-                p
-            };
-            let c = Collocation::new(count);
-            let top: f64 =
-                c.points.iter().zip(&c.top).map(|(t, top)| top * (legendre(*t) - legendre(0.0))).sum();
-            assert!((top - 1.0).abs() < 1e-9, "{count}: {top}");
-        }
-    }
-
-    #[test]
     fn the_two_highest_coefficients_are_those_of_legendre() {
         for count in FEWEST..=MOST {
             let c = Collocation::new(count);

@@ -1,6 +1,6 @@
 //! Gradient and Hessian of the energy at a placed shape, and the block elimination of the Hessian from tip to base.
 
-use super::following::Of;
+use super::following::PanelParts;
 use super::mesh::{Mesh, Panel};
 use super::node::{self, Acting, Linearised, Local};
 use super::sweep::{Column, End, GAP, GAP_PIVOTS, IN_GAP, Problem, Sweep};
@@ -201,7 +201,7 @@ impl Sweep {
         add_beyond(&mut front, table, &of.end, &of.slope, carried, panel.gap.is_some());
         if mesh.follows {
             let nodes = panel.nodes.clone();
-            let of = Of {
+            let parts = PanelParts {
                 panel,
                 table,
                 end: &of.end,
@@ -211,7 +211,7 @@ impl Sweep {
                 models: &self.models[nodes],
                 following: &self.following[k],
             };
-            of.add(&mut front, carried.following());
+            parts.add(&mut front, carried.following());
         }
         let negative = front.eliminate(points)?;
         let state = of.size - points - usize::from(mesh.follows);

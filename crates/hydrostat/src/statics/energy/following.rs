@@ -95,7 +95,7 @@ impl Sweep {
 }
 
 /// What a panel's part of the elimination is made of.
-pub(super) struct Of<'a> {
+pub(super) struct PanelParts<'a> {
     pub(super) panel: &'a Panel,
     pub(super) table: &'a Collocation,
     pub(super) end: &'a End,
@@ -106,11 +106,11 @@ pub(super) struct Of<'a> {
     pub(super) following: &'a Following,
 }
 
-impl Of<'_> {
+impl PanelParts<'_> {
     /// Adds to the front what the forces beyond the panel's nodes do as they follow its unknowns; its last row becomes the force beyond
     /// the start. `carried` is the same row of what lies beyond the panel.
     pub(super) fn add(&self, front: &mut Front, carried: &[Matrix3<f64>]) {
-        let Of { panel, table, end, following, .. } = self;
+        let PanelParts { panel, table, end, following, .. } = self;
         let points = self.shapes.len();
         let state = if panel.gap.is_some() { IN_GAP } else { STATE };
         let mut beyond: Coefficients = [Matrix3::zeros(); MOST + IN_GAP];

@@ -2,8 +2,10 @@
 //!
 //! Each panel of the backbone has a polynomial for its rotation vector, and so for its bending and twist, and values of
 //! shear and stretch at its Gauss nodes (`mesh`, `node`); one block elimination along the chain gives Newton's step and the
-//! inertia of the Hessian (`sweep`, `newton`); `search` leads from the unloaded shape to the full load.
+//! inertia of the Hessian (`factor`, `following`, `sweep`, `newton`); `search`, `at_once`, `warm` and `trust` lead to the full load, `judge`,
+//! `result` and `derivatives` say what was found.
 
+mod at_once;
 mod derivatives;
 mod factor;
 mod following;

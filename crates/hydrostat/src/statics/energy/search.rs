@@ -1,10 +1,10 @@
-//! From the unloaded shape to the loaded one: load continuation, then finer meshes.
+//! From the unloaded shape to the loaded one: at once or by load continuation, then finer meshes.
 
 use super::mesh::Layout;
 use super::newton::{Converged, Equations, Stuck};
 use super::{Energy, Memory, friction, tendons};
 use crate::numeric::anderson::Anderson;
-use crate::numeric::collocation::{FEWEST, MOST};
+use crate::numeric::collocation::MOST;
 use crate::numeric::larger;
 use crate::solution::Station;
 use crate::statics::Settings;
@@ -27,9 +27,6 @@ pub(in crate::statics) struct Found {
 /// Largest turn that a panel is laid out for, and with which it is cut in two, rad.
 const FIRST_TURN: f64 = 0.8;
 pub(super) const LARGEST_TURN: f64 = 1.3;
-/// Points that the first shape has less, and its accuracy.
-const POINTS_LESS: usize = 2;
-const ROUGH: f64 = 1e-3;
 /// Points of the first mesh, one more for tolerances below the second number; two less where panels turn little.
 const FIRST_POINTS: usize = 4;
 const FINE_TOLERANCE: f64 = 1e-7;
@@ -62,14 +59,22 @@ const MOST_BISECTIONS: usize = 6;
 /// Turns of Newton's method and friction.
 const MOST_TURNS: usize = 50;
 /// Accuracy on the way to the full load: enough to start the next step.
-const ON_THE_WAY: f64 = 1e-5;
+pub(super) const ON_THE_WAY: f64 = 1e-5;
+
 /// What the last refinement found: the highest coefficients, and the estimated error, m; both on the mesh before, too, where that is
 /// fine enough for the next solution.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Seen {
     pub(super) tail: f64,
     pub(super) error_estimate: f64,
-    pub(super) before: Option<(f64, f64)>,
+    pub(super) before: Option<Before>,
+}
+
+/// The same on one mesh.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Before {
+    pub(super) tail: f64,
+    pub(super) error_estimate: f64,
 }
 
 /// Where a search begins.
@@ -160,8 +165,11 @@ impl Search<'_> {
             let error_estimate = SAFETY * difference / (reduction - 1.0) + rounding;
             if error_estimate <= tolerance * self.chain.length {
                 let before = SAFETY * difference + rounding;
-                self.energy.seen =
-                    Seen { tail: finer, error_estimate, before: added.then_some((tail, before)) };
+                self.energy.seen = Seen {
+                    tail: finer,
+                    error_estimate,
+                    before: added.then_some(Before { tail, error_estimate: before }),
+                };
                 return self.judge(end, error_estimate, unstable_from);
             }
             if nodes > MOST_NODES || !error_estimate.is_finite() {
@@ -193,50 +201,6 @@ impl Search<'_> {
         self.first_layout();
         self.lay();
         self.follow_load()
-    }
-
-    /// The full load at once, on few points first, from the bend that the tendons alone would give: for those in channels the only
-    /// equilibrium without loads, as its energy is convex in the strains. False where that does not surely lead to a stable shape
-    /// nearby.
-    fn start_at_once(&mut self) -> bool {
-        self.first_layout();
-        let few = |points: usize| (points - POINTS_LESS).max(FEWEST);
-        let more = self.energy.layouts.iter().any(|layout| few(layout.points) < layout.points);
-        self.energy.layouts.iter_mut().for_each(|layout| layout.points = few(layout.points));
-        self.lay();
-        self.bend_by_tendons();
-        let target = if more { ROUGH } else { ON_THE_WAY };
-        let nearby = |search: &Self, end: &Converged| {
-            let turn = search.energy.coarse.largest_turn(&search.energy.tables);
-            end.negative == 0 && turn <= LARGEST_TURN && !search.strayed(end)
-        };
-        let Ok(end) = self.newton(1.0, target) else { return false };
-        if !nearby(self, &end) {
-            return false;
-        }
-        if more {
-            self.first_layout();
-            self.relay();
-        }
-        !more || self.newton(1.0, ON_THE_WAY.min(self.settings.tolerance)).is_ok_and(|end| nearby(self, &end))
-    }
-
-    /// Places the coarse mesh as bent by the tendons, with the tensions that a first step finds for those held.
-    fn bend_by_tendons(&mut self) {
-        let Energy { tables, coarse, reached, memory, .. } = &mut *self.energy;
-        let equations = Equations { robot: self.robot, chain: self.chain, tables, factor: 1.0 };
-        memory.drive.apply(self.robot, 1.0);
-        if !memory.drive.held.is_empty() {
-            equations.linearise(memory, coarse, 0.0);
-            self.iterations += 1;
-            let Memory { linear, drive, .. } = memory;
-            for (&tendon, &tension) in drive.held.iter().zip(&linear.tensions) {
-                drive.tensions[tendon] = tension;
-            }
-        }
-        coarse.bend_by(self.robot, &memory.drive.tensions, tables);
-        memory.sweep.place(coarse, tables);
-        reached.rotations.clone_from(&coarse.rotations);
     }
 
     /// The equilibrium near a given shape: by Newton's method, or downhill from it.

@@ -102,9 +102,9 @@ pub(super) struct Column {
 /// A linear form on turns, v and cuts.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Folded {
-    turn: Vec<Vector3<f64>>,
-    v: Vec<Vector3<f64>>,
-    cuts: Vec<Vector3<f64>>,
+    pub(super) turn: Vec<Vector3<f64>>,
+    pub(super) v: Vec<Vector3<f64>>,
+    pub(super) cuts: Vec<Vector3<f64>>,
 }
 
 /// A variation of the shape.
@@ -174,11 +174,6 @@ impl Column {
 }
 
 impl Folded {
-    #[cfg(test)]
-    pub(super) fn parts(self) -> (Vec<Vector3<f64>>, Vec<Vector3<f64>>, Vec<Vector3<f64>>) {
-        (self.turn, self.v, self.cuts)
-    }
-
     /// The form applied to a variation.
     pub(super) fn dot(&self, step: &Step) -> f64 {
         let pairs = [(&self.turn, &step.turn), (&self.v, &step.v), (&self.cuts, &step.cuts)];
@@ -314,7 +309,14 @@ impl Sweep {
                 *row = *e * through_end;
             }
             for (local, node) in panel.nodes.clone().enumerate() {
-                let form = self.models[node].condense(&self.shapes[node], &right.nodes[node]);
+                let mut form = self.models[node].condense(&self.shapes[node], &right.nodes[node]);
+                if mesh.follows {
+                    let (model, weighted) = (&self.models[node], mesh.data[node].weight * follows);
+                    form.turn += model.turn_force * weighted;
+                    form.rate += model.rate_force * weighted;
+                    form.start += model.start_force * weighted;
+                    form.force += model.force_force * weighted;
+                }
                 rows[local] += form.turn;
                 let rate = form.rate / panel.length;
                 for (row, d) in rows.iter_mut().zip(&table.derivative[local * points..(local + 1) * points]) {
@@ -322,18 +324,6 @@ impl Sweep {
                 }
                 start += form.start;
                 in_gap[0] += form.force;
-                if mesh.follows {
-                    let (model, weight) = (&self.models[node], mesh.data[node].weight);
-                    rows[local] += weight * (model.turn_force * follows);
-                    let rate = (weight / panel.length) * (model.rate_force * follows);
-                    for (row, d) in
-                        rows.iter_mut().zip(&table.derivative[local * points..(local + 1) * points])
-                    {
-                        *row += *d * rate;
-                    }
-                    start += weight * (model.start_force * follows);
-                    in_gap[0] += weight * (model.force_force * follows);
-                }
             }
             rows[points] = start;
             if panel.gap.is_some() {

@@ -89,7 +89,6 @@ fn gradient_and_hessian_are_derivatives_of_the_energy() {
         };
         let (mut sweep, mut gradient, mut step) = (Sweep::default(), Column::default(), Step::default());
         sweep.place(&mut mesh, &tables);
-        // a stiffer elastic part makes sure of the elimination; the direction is what counts
         sweep.gradient(&problem, &mesh, &mut gradient);
         sweep.factor(&problem, &mesh, 0.0);
         let mut right = Column::default();
@@ -197,7 +196,7 @@ impl Column {
     fn reduced(&self, sweep: &Sweep, mesh: &Mesh, tables: &Tables) -> Vec<Vector3<f64>> {
         let mut folded = Folded::default();
         self.fold(sweep, mesh, tables, &mut folded);
-        let (mut turn, v, mut cuts) = folded.parts();
+        let Folded { mut turn, v, mut cuts } = folded;
         for k in (0..mesh.panels.len()).rev() {
             let (panel, end) = (&mesh.panels[k], &sweep.panels[k].end);
             let table = tables.of(panel.nodes.len());

@@ -1,7 +1,7 @@
 //! From the last solution to one nearby: on its mesh, with the factors of its Hessian.
 
 use super::newton::{Converged, Equations};
-use super::search::{Search, Seen};
+use super::search::{Before, Search, Seen};
 use super::tendons::Drive;
 use super::{Energy, Memory};
 
@@ -60,7 +60,7 @@ impl Search<'_> {
     /// Goes back to the mesh before the last refinement, where that was fine enough.
     fn take_mesh_before(&mut self) {
         let Energy { layouts, coarse, fine, memory: Memory { sweep, .. }, seen, .. } = &mut *self.energy;
-        let Some((tail, error_estimate)) = seen.before.take() else { return };
+        let Some(Before { tail, error_estimate }) = seen.before.take() else { return };
         if error_estimate > ROOM * self.settings.tolerance * self.chain.length {
             return;
         }
