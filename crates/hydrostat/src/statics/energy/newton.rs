@@ -54,7 +54,7 @@ const SMALLEST_CURVATURE: f64 = 1e-12;
 const NEAR: f64 = 0.05;
 const SHRINKING: f64 = 0.1;
 /// How much slower than the last step with the same factors the next may be.
-const SLOWER: f64 = 10.0;
+const SLOWER: f64 = 4.0;
 
 /// A converged iteration.
 #[derive(Clone, Copy, Debug)]
