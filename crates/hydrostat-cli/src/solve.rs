@@ -112,7 +112,9 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
     };
     if let (Some(commands), Some(out)) = (&args.batch, &args.out) {
         let settings = Settings { stations: args.stations.unwrap_or(0), eigenvalue: false, ..settings };
-        return batch::run(commands, out, &robot, &settings);
+        let flags = args.tension.iter().chain(&args.displacement).flat_map(|flag| flag.split(','));
+        let flagged: Vec<&str> = flags.filter_map(|flag| Some(flag.split_once('=')?.0.trim())).collect();
+        return batch::run(commands, out, &robot, &settings, &flagged);
     }
     let mut workspace = Workspace::default();
     let solve = |settings: &Settings, workspace: &mut Workspace| match &from {
