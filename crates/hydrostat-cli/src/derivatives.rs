@@ -1,6 +1,6 @@
 //! What `solve --jacobian --compliance` adds to its output.
 
-use crate::text::{MM, components};
+use crate::text::{self, MM, significant};
 use hydrostat::model::Command;
 use hydrostat::solution::{Derivative, PoseDerivative, TendonDerivative};
 use hydrostat::statics::{self, Input, Workspace};
@@ -62,11 +62,11 @@ impl Derivatives {
         let mut text = String::new();
         let mut line = |input: String, pose: &PoseDerivative, unit: &str, per: f64| {
             let unit = if unit.contains(' ') { format!("({unit})") } else { unit.to_owned() };
-            let position = components(pose.position.as_slice(), MM / per, 3);
-            let rotation = components(pose.rotation.as_slice(), 1_f64.to_degrees() / per, 3);
-            text += &format!(
-                "{:<17} {position} mm/{unit}, {rotation} deg/{unit}\n",
-                format!("  tip per {input}")
+            let position = significant(pose.position.as_slice(), MM / per);
+            let rotation = significant(pose.rotation.as_slice(), 1_f64.to_degrees() / per);
+            text += &text::line(
+                &format!("tip per {input}"),
+                &format!("{position} mm/{unit}, {rotation} deg/{unit}"),
             );
         };
         for ((tendon, command), derivative) in

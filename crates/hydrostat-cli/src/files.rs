@@ -48,6 +48,23 @@ fn read_up_to(path: &Path, largest: u64, expected: &str) -> Result<String, Error
     Ok(text.trim_start_matches('\u{feff}').to_owned())
 }
 
+/// Refuses an output that would replace an input, by whatever path, before there is anything to write.
+pub(crate) fn refuse_replacing(
+    flag: &str,
+    output: &Path,
+    inputs: &[(&str, Option<&Path>)],
+) -> Result<(), Error> {
+    // what does not exist replaces nothing
+    let Ok(output) = fs::canonicalize(output) else { return Ok(()) };
+    let same = |input: &Option<&Path>| {
+        input.is_some_and(|input| fs::canonicalize(input).is_ok_and(|input| input == output))
+    };
+    match inputs.iter().find(|(_, input)| same(input)) {
+        Some((what, _)) => Err(Error::new(format!("{flag} would replace {what}")).hint("name another file")),
+        None => Ok(()),
+    }
+}
+
 /// Writes a file completely or not at all.
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     // a device or pipe cannot be replaced
@@ -98,12 +115,11 @@ impl Drop for NewFile {
 }
 
 pub(crate) fn refused_to_write(path: &Path, error: &std::io::Error) -> Error {
-    match error.kind() {
-        ErrorKind::NotFound => {
-            Error::new(format!("cannot write {}: its folder does not exist", path.display()))
-        }
-        _ => Error::new(format!("cannot write {}: {error}", path.display())),
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if folder.is_some_and(|folder| !folder.exists()) {
+        return Error::new(format!("cannot write {}: its folder does not exist", path.display()));
     }
+    Error::new(format!("cannot write {}: {error}", path.display()))
 }
 
 /// Writes files that must not exist yet; on failure none of them is left.

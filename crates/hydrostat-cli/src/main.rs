@@ -102,7 +102,7 @@ fn print(text: &str) -> Result<(), Error> {
 }
 
 /// Shows what is doubtful but not wrong.
-fn warn(warnings: &[impl std::fmt::Display]) {
+fn warn<T: std::fmt::Display>(warnings: impl IntoIterator<Item = T>) {
     for warning in warnings {
         eprintln!("warning: {warning}");
     }

@@ -60,7 +60,7 @@ pub(crate) struct Args {
     /// How the shape is found
     #[arg(long, value_enum, default_value_t = Method::Energy)]
     method: Method,
-    /// Shooting intervals; 1 is single shooting [default: one per integration step]
+    /// Shooting intervals, with --method shooting; 1 is single shooting [default: one per integration step]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     shooting_intervals: Option<u16>,
 }
@@ -75,6 +75,18 @@ enum Method {
 
 pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
     let plot = args.plot.as_deref().map(|path| Format::of(path).map(|format| (path, format))).transpose()?;
+    let inputs = [
+        ("the robot file", Some(args.robot.as_path())),
+        ("the solution to start from", args.from.as_deref()),
+        ("the table of commands", args.batch.as_deref()),
+    ];
+    for (flag, output) in [("--plot", &args.plot), ("--out", &args.out)] {
+        output.as_deref().map_or(Ok(()), |output| files::refuse_replacing(flag, output, &inputs))?;
+    }
+    if let (Some(intervals), Method::Energy) = (args.shooting_intervals, args.method) {
+        return Err(Error::new(format!("--shooting-intervals {intervals} without --method shooting"))
+            .hint("the energy method, which is the default, has no intervals"));
+    }
     let parsed = description::parse_robot(&files::read_text(&args.robot)?, &args.robot.to_string_lossy())?;
     let (mut robot, mut warnings) = (parsed.value, parsed.warnings);
     description::parse_commands(
@@ -100,7 +112,9 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
     };
     if let (Some(commands), Some(out)) = (&args.batch, &args.out) {
         let settings = Settings { stations: args.stations.unwrap_or(0), eigenvalue: false, ..settings };
-        return batch::run(commands, out, &robot, &settings);
+        let flags = args.tension.iter().chain(&args.displacement).flat_map(|flag| flag.split(','));
+        let flagged: Vec<&str> = flags.filter_map(|flag| Some(flag.split_once('=')?.0.trim())).collect();
+        return batch::run(commands, out, &robot, &settings, &flagged);
     }
     let mut workspace = Workspace::default();
     let solve = |settings: &Settings, workspace: &mut Workspace| match &from {

@@ -29,6 +29,30 @@ pub(crate) fn aligned(table: &[Vec<String>]) -> String {
     text
 }
 
+/// A line of a summary.
+pub(crate) fn line(name: &str, value: &str) -> String {
+    format!("  {name:<23} {value}\n")
+}
+
+/// Smaller than this part of the largest component is rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// A vector with four significant digits in each component.
+pub(crate) fn significant(vector: &[f64], unit: f64) -> String {
+    let largest = vector.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
+    let component = |x: &f64| if x.abs() <= ROUNDING * largest { "0".to_owned() } else { four(x * unit) };
+    format!("[{}]", vector.iter().map(component).collect::<Vec<_>>().join(", "))
+}
+
+fn four(value: f64) -> String {
+    let scientific = format!("{value:.3e}");
+    let exponent = scientific.split_once('e').and_then(|(_, exponent)| exponent.parse().ok()).unwrap_or(0);
+    match exponent {
+        -4..=5 => format!("{value:.*}", usize::try_from(3 - exponent).unwrap_or(0)),
+        _ => scientific,
+    }
+}
+
 /// A vector with fixed decimals.
 pub(crate) fn components(vector: &[f64], unit: f64, digits: usize) -> String {
     let components: Vec<String> = vector.iter().map(|x| fixed(x * unit, digits)).collect();

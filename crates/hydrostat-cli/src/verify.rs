@@ -28,8 +28,14 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
         files::refuse_file(folder)?;
     }
     let plot = args.plot.as_deref().map(|path| Format::of(path).map(|format| (path, format))).transpose()?;
+    let page_path = args.report.as_deref().map(|folder| folder.join("index.html"));
     let mut files = Vec::new();
     let parsed = read(args.experiment.as_deref(), &mut files)?;
+    let words = std::iter::once("the bench").chain(std::iter::repeat("a file that the bench names"));
+    let inputs: Vec<_> = words.zip(files.iter().map(|file| Some(file.as_path()))).collect();
+    for (flag, output) in [("--plot", args.plot.as_deref()), ("--report", page_path.as_deref())] {
+        output.map_or(Ok(()), |output| files::refuse_replacing(flag, output, &inputs))?;
+    }
     warn(&parsed.warnings);
     let experiment = parsed.value;
     let settings = Settings::default();
@@ -38,10 +44,10 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
         let drawing = hydrostat_report::verification_svg(&experiment, &verification);
         files::write(path, &format.encode(drawing)?)?;
     }
-    if let Some(folder) = &args.report {
-        let page = page(&experiment, &verification, &settings, files);
+    if let (Some(folder), Some(path)) = (&args.report, &page_path) {
+        let page = page(&experiment, &verification, &settings, &files);
         files::make_folder(folder)?;
-        files::write(&folder.join("index.html"), page.as_bytes())?;
+        files::write(path, page.as_bytes())?;
     }
     let stdout = if args.json {
         format!("{}\n", json::verification(&experiment, &verification))
@@ -53,19 +59,16 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
     Ok(Outcome { stdout, end: End::passed(passed) })
 }
 
-/// Reads an experiment and what it names, relative to its own folder; notes the names for the report.
-fn read(path: Option<&Path>, names: &mut Vec<String>) -> Result<Parsed<Experiment>, Error> {
-    let Some(path) = path else {
-        names.push("the built-in bench of Gray 2009".to_owned());
-        return builtin::experiment();
-    };
+/// Reads an experiment and what it names, relative to its own folder; notes the paths. None is the built-in one.
+fn read(path: Option<&Path>, read: &mut Vec<PathBuf>) -> Result<Parsed<Experiment>, Error> {
+    let Some(path) = path else { return builtin::experiment() };
     let text = files::read_text(path)?;
     let name = path.to_string_lossy().into_owned();
-    names.push(name.clone());
+    read.push(path.to_owned());
     let folder = path.parent().unwrap_or(Path::new(""));
     description::parse_experiment(&text, &name, &mut |file| {
         let linked = folder.join(file);
-        names.push(linked.to_string_lossy().into_owned());
+        read.push(linked.clone());
         files::read_text(&linked)
     })
 }
@@ -74,7 +77,7 @@ fn page(
     experiment: &Experiment,
     verification: &Verification,
     settings: &Settings,
-    files: Vec<String>,
+    files: &[PathBuf],
 ) -> String {
     let arguments: Vec<String> =
         std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned()).collect();
@@ -82,7 +85,11 @@ fn page(
         version: env!("CARGO_PKG_VERSION").to_owned(),
         method: "special Cosserat rod, multiple shooting".to_owned(),
         tolerance: settings.tolerance,
-        files,
+        files: if files.is_empty() {
+            vec!["the built-in bench of Gray 2009".to_owned()]
+        } else {
+            files.iter().map(|file| file.to_string_lossy().into_owned()).collect()
+        },
         command: Some(format!("hydrostat {}", arguments.join(" "))),
         date: None, // the same input gives the same page
     };

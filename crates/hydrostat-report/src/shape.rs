@@ -10,7 +10,8 @@ use crate::tendons;
 use crate::text::{fixed, millimetres, prefixed, wrap};
 use crate::ticks::{decimals, nice_step, ticks};
 use crate::view::{Axis, View, direction_in_words, direction_name, side_and_front};
-use hydrostat::model::Section;
+use hydrostat::model::{Command, Section};
+use hydrostat::solution::TendonState;
 use hydrostat::{Equilibrium, Robot};
 use nalgebra::Vector3;
 
@@ -78,6 +79,23 @@ pub fn shape_svg(robot: &Robot, equilibrium: &Equilibrium) -> String {
     page.finish(width, end + MARGIN * 0.6, &format!("Shape of {}", robot.name))
 }
 
+/// How far a tendon is pulled in, and how much longer it is than its way where it is slack.
+fn way(state: &TendonState, command: &Command) -> String {
+    let mm = |length: f64| fixed(1e3 * length, 2);
+    let moved = |length: f64| {
+        format!("{} {} mm", if length < 0.0 { "let out" } else { "pulled in" }, mm(length.abs()))
+    };
+    match command {
+        Command::Displacement { displacement, .. }
+            if state.slack && mm(*displacement) != mm(state.displacement) =>
+        {
+            let by = mm(state.displacement - displacement);
+            format!("{}, slack by {by} mm", moved(*displacement))
+        }
+        _ => moved(state.displacement),
+    }
+}
+
 /// Tension and displacement of every tendon, in its colour; returns where the next line stands.
 fn tendon_legend(page: &mut Canvas, robot: &Robot, equilibrium: &Equilibrium, mut y: f64, width: f64) -> f64 {
     if robot.tendons.is_empty() {
@@ -86,10 +104,8 @@ fn tendon_legend(page: &mut Canvas, robot: &Robot, equilibrium: &Equilibrium, mu
     y += 14.0; // below the titles of the axes
     let mut x = MARGIN;
     for (number, (tendon, state)) in robot.tendons.iter().zip(&equilibrium.tendons).enumerate() {
-        let slack = if state.slack { ", slack" } else { "" };
-        let (tension, way) = (fixed(state.tension, 2), fixed(1e3 * state.displacement.abs(), 2));
-        let moved = if state.displacement < 0.0 { "let out" } else { "pulled in" };
-        let text = format!("{}  {tension} N, {moved} {way} mm{slack}", tendon.name);
+        let (tension, way) = (fixed(state.tension, 2), way(state, &robot.actuation[number]));
+        let text = format!("{}  {tension} N, {way}", tendon.name);
         let room = 26.0 + SMALL.width(&text) + 22.0;
         if x > MARGIN && x + room > width {
             (x, y) = (MARGIN, y + 18.0);

@@ -1,8 +1,8 @@
 //! Two methods, one answer.
 
-use hydrostat::description::builtin;
+use hydrostat::description::{self, builtin};
 use hydrostat::model::{CrossSection, Frame, Load, LoadKind, Material, Pose, Profile, Section};
-use hydrostat::solution::Station;
+use hydrostat::solution::{Report, Station};
 use hydrostat::statics::{Settings, solve};
 use hydrostat::validate::robustness;
 use hydrostat::{Equilibrium, Robot};
@@ -316,6 +316,68 @@ fn the_load_at_once_leads_where_small_steps_lead() {
         }
     }
     assert!(compared > 195, "{compared}");
+}
+
+/// Between the eigenvalues of the two methods: one of them calls 0.999 and above 1.
+const SAME_EIGENVALUE: f64 = 1e-3;
+
+/// A shipped robot, with commands as on the command line.
+fn shipped(name: &str, tension: &str, displacement: &str) -> Robot {
+    let file = format!("{}/../../robots/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(&file).unwrap_or_else(|error| panic!("{file}: {error}"));
+    let mut robot = description::parse_robot(&text, &file).expect("a shipped robot is read").value;
+    let flag = |commands: &str| if commands.is_empty() { Vec::new() } else { vec![commands.to_owned()] };
+    let commands = [flag(tension), flag(displacement)];
+    description::parse_commands(&mut robot, &mut Vec::new(), &commands[0], &commands[1], &[])
+        .expect("the robot has these tendons");
+    robot
+}
+
+/// By the energy method and by shooting.
+fn reports(robot: &Robot) -> [Report; 2] {
+    [Settings::default(), shooting()].map(|settings| {
+        solve(robot, &settings).unwrap_or_else(|error| panic!("{}: {error}", robot.name)).report
+    })
+}
+
+#[test]
+fn both_methods_agree_on_the_eigenvalue() {
+    let shipped = [
+        ("elephant_trunk", ""),
+        ("gray2009_rod", ""),
+        ("rao2021", ""),
+        ("rucker2011_helical", ""),
+        ("scr", ""),
+        ("scr", "a=20N,b=20N,c=20N"),
+        ("scr", "a=100N,b=100N,c=100N"),
+        ("scr", "a=200N,b=200N,c=200N"),
+        ("scr", "a=20N"),
+        ("scr_two_section", ""),
+        ("scr_two_section", "a=30N,b=30N,c=30N,d=30N,e=30N,f=30N"),
+        ("till2019", ""),
+    ]
+    .map(|(name, tension)| shipped(name, tension, ""));
+    for robot in shipped {
+        let [energy, shooting] = reports(&robot);
+        let eigenvalues = [&energy, &shooting].map(|report| report.smallest_eigenvalue.expect("asked for"));
+        assert!((eigenvalues[0] - eigenvalues[1]).abs() < SAME_EIGENVALUE, "{}: {eigenvalues:?}", robot.name);
+        assert_eq!(energy.stable, shooting.stable, "{}", robot.name);
+    }
+}
+
+/// Shooting judges tendons that keep their tensions, and gives no eigenvalue where they keep their lengths.
+#[test]
+fn shooting_gives_no_eigenvalue_of_held_tendons() {
+    let [energy, shooting] = reports(&shipped("scr", "", "a=5mm,b=0mm,c=0mm"));
+    assert!(energy.smallest_eigenvalue.is_some());
+    assert_eq!((shooting.smallest_eigenvalue, shooting.stable), (None, Some(true)));
+    // those that are slack hold nothing
+    let eigenvalues =
+        [shipped("scr", "a=2N", "b=-20mm,c=-20mm"), shipped("scr", "a=2N,b=0N,c=0N", "")].map(|robot| {
+            let [_, shooting] = reports(&robot);
+            shooting.smallest_eigenvalue.expect("nothing is held")
+        });
+    assert!((eigenvalues[0] - eigenvalues[1]).abs() < SAME_EIGENVALUE, "{eigenvalues:?}");
 }
 
 /// This file is about the shooting method.

@@ -179,6 +179,30 @@ fn tendons_that_would_push_are_slack() {
     assert!(tendons.iter().all(|tendon| tendon.tension >= 0.0));
 }
 
+/// Rounding decides whether a tendon at 0 N pulls, where a solution's own displacements are its commands.
+#[test]
+fn a_solutions_own_displacements_fail_no_check() {
+    let slack = |found: &Equilibrium| found.checks.iter().find(|check| check.name == "slack").cloned();
+    for robot in SHIPPED.map(read).into_iter().filter(|robot| !robot.tendons.is_empty()) {
+        let found = solved(&robot, Method::Energy);
+        let mut held = robot.clone();
+        for digits in [1e-18, 1e-6] {
+            for (command, state) in held.actuation.iter_mut().zip(&found.tendons) {
+                let displacement = (state.displacement / digits).round() * digits;
+                *command = Command::Displacement { displacement, motion: Motion::Pulled };
+            }
+            let check = slack(&solved(&held, Method::Energy)).expect("tendons are held");
+            assert!(check.ok, "{}, to {digits} m: {check:?}", robot.name);
+        }
+    }
+    // a and c in one hole: c is too long by 2 mm
+    let mut robot = read(SHIPPED[1]);
+    robot.tendons[2].path = robot.tendons[0].path.clone();
+    parse_commands(&mut robot, &mut Vec::new(), &[], &["a=5mm,b=-5mm,c=3mm".into()], &[]).expect("commands");
+    let check = slack(&solved(&robot, Method::Energy)).expect("tendons are held");
+    assert_eq!((check.ok, check.tendons), (false, vec!["c".to_owned()]));
+}
+
 /// d l1 / d T2 = d l2 / d T1 (Maxwell), by central differences.
 #[test]
 fn lengths_and_tensions_are_reciprocal() {

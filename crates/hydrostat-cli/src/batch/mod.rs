@@ -8,7 +8,7 @@ mod table;
 mod writer;
 
 use crate::{End, Outcome, files, warn};
-use hydrostat::batch::{Chunk, solve_many};
+use hydrostat::batch::{Chunk, Commands, Input, solve_many};
 use hydrostat::statics::Settings;
 use hydrostat::{Error, Robot, description};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -38,11 +38,19 @@ struct Tally {
     first: Vec<String>,
 }
 
-pub(crate) fn run(commands: &Path, out: &Path, robot: &Robot, settings: &Settings) -> Result<Outcome, Error> {
+/// `flagged`: tendons that flags command.
+pub(crate) fn run(
+    commands: &Path,
+    out: &Path,
+    robot: &Robot,
+    settings: &Settings,
+    flagged: &[&str],
+) -> Result<Outcome, Error> {
     writer::check_name(out, settings.stations)?;
     let text = files::read_table(commands)?;
     let commands = description::parse_command_table(&text, &commands.to_string_lossy(), robot)?;
     drop(text);
+    warn(replaced(&commands, robot, flagged));
     let mut writer = Writer::create(out, &Table::new(robot, settings.stations, &[]))?;
     let stop = stop_at_ctrl_c(writer.beside().to_owned())?;
     let bar = progress(commands.rows());
@@ -71,6 +79,20 @@ pub(crate) fn run(commands: &Path, out: &Path, robot: &Robot, settings: &Setting
     let tally = written?;
     writer.finish()?;
     Ok(tally.outcome(out, commands.rows(), began.elapsed().as_secs_f64()))
+}
+
+/// A warning where columns replace what flags command.
+fn replaced(commands: &Commands, robot: &Robot, flagged: &[&str]) -> Option<String> {
+    let tendon = |input: &Input| match input {
+        Input::Tension { tendon } | Input::Displacement { tendon } => {
+            Some(robot.tendons[*tendon].name.as_str())
+        }
+        _ => None,
+    };
+    let names: Vec<&str> =
+        commands.inputs.iter().filter_map(tendon).filter(|name| flagged.contains(name)).collect();
+    (!names.is_empty())
+        .then(|| format!("the table's columns replace the flags' commands of {}", names.join(", ")))
 }
 
 /// A flag that Ctrl-C sets; the second time it ends the program and removes the unfinished file.
@@ -115,14 +137,12 @@ impl Tally {
     fn add(&mut self, chunk: &Chunk) {
         self.rows += chunk.rows.len();
         for (number, row) in (chunk.first + 1..).zip(&chunk.rows) {
-            let line = match row {
-                Ok(shape) if shape.failed.is_empty() => continue,
-                Ok(_) => format!("row {number}: {}", status(number, row)),
-                Err(_) => status(number, row).into_owned(),
-            };
+            if row.as_ref().is_ok_and(|shape| shape.failed.is_empty()) {
+                continue;
+            }
             *(if row.is_ok() { &mut self.failing } else { &mut self.errors }) += 1;
             if self.first.len() < NAMED {
-                self.first.push(line);
+                self.first.push(format!("row {number}: {}", status(row)));
             }
         }
     }

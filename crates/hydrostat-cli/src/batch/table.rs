@@ -65,7 +65,7 @@ impl Table {
         let number = || chunks.iter().flat_map(|chunk| chunk.first + 1..=chunk.first + chunk.rows.len());
         Table {
             row: number().map(|number| number as u64).collect(),
-            status: number().zip(rows()).map(|(number, row)| status(number, row)).collect(),
+            status: rows().map(status).collect(),
             solved: rows().map(Result::is_ok).collect(),
             columns,
         }
@@ -73,10 +73,10 @@ impl Table {
 }
 
 /// What became of a row, in one line.
-pub(super) fn status(number: usize, row: &Result<Shape, Error>) -> Cow<'static, str> {
+pub(super) fn status(row: &Result<Shape, Error>) -> Cow<'static, str> {
     match row {
         Ok(shape) if shape.failed.is_empty() => "ok".into(),
         Ok(shape) => format!("check failed: {}", shape.failed.join(", ")).into(),
-        Err(error) => format!("error: row {number}: {}", error.message()).into(),
+        Err(error) => format!("error: {}", error.message()).into(),
     }
 }

@@ -50,10 +50,10 @@ fn one_row_out_per_row_in_and_in_order() {
     let run = folder.run(CSV);
     assert_eq!(run.code, 1, "{run:?}");
     assert!(run.stdout.starts_with("rows.csv: 200 rows in "), "{}", run.stdout);
-    let message = "row 51: column \"tension.b [mN]\": found \"1500?\", expected a number";
-    let also = "row 151: column \"tension.b [mN]\": found \"380?\", expected a number";
+    let message = "column \"tension.b [mN]\": found \"1500?\", expected a number";
+    let also = "column \"tension.b [mN]\": found \"380?\", expected a number";
     let warning = format!(
-        "warning: 2 of 200 rows have no solution, 0 fail a check:\n  error: {message}\n  error: {also}\n"
+        "warning: 2 of 200 rows have no solution, 0 fail a check:\n  row 51: error: {message}\n  row 151: error: {also}\n"
     );
     assert_eq!(run.stderr, warning);
 
@@ -91,6 +91,16 @@ fn the_same_to_the_last_bit_on_one_and_two_threads() {
         fs::read(folder.path("rows.csv")).unwrap()
     });
     assert!(rows[0] == rows[1]);
+}
+
+#[test]
+fn a_column_of_a_tendon_that_a_flag_commands_is_warned_of() {
+    let folder = folder("batch_flag", "tension.a [N],displacement.b [mm]\n1,0\n");
+    let run = folder.run(&format!("{CSV} --tension a=2N --displacement b=1mm"));
+    assert_eq!(run.code, 0);
+    assert_eq!(run.stderr, "warning: the table's columns replace the flags' commands of a, b\n");
+    fs::write(folder.path("commands.csv"), "tension.a [N]\n1\n").unwrap();
+    folder.run(&format!("{CSV} --tension b=2N")).succeeds();
 }
 
 #[test]
@@ -265,7 +275,9 @@ mod parquet {
             for row in 0..batch.num_rows() {
                 let line = lines.next().unwrap();
                 if row % 100 == 50 {
-                    assert!(status.value(row).starts_with("error: row ") && number("tip_x_m").is_null(row));
+                    assert!(
+                        status.value(row).starts_with("error: column ") && number("tip_x_m").is_null(row)
+                    );
                     continue;
                 }
                 let cells: Vec<&str> = line.split(',').collect();

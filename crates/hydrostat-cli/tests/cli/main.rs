@@ -71,6 +71,11 @@ impl Folder {
         names
     }
 
+    /// Names and what is in them.
+    fn contents(&self) -> Vec<(String, Vec<u8>)> {
+        self.files().into_iter().map(|name| (name.clone(), fs::read(self.path(&name)).unwrap())).collect()
+    }
+
     fn run(&self, arguments: &str) -> Run {
         let mut command = Command::new(env!("CARGO_BIN_EXE_hydrostat"));
         let output = command.args(arguments.split_whitespace()).current_dir(&self.0).output().unwrap();

@@ -21,7 +21,9 @@ fn a_starter_tendon_robot_can_be_solved() {
     let text = folder.run("new tendon mine").succeeds();
     assert_eq!(text, "wrote mine.toml; next: hydrostat solve mine.toml\n");
     let text = folder.run("solve mine.toml").succeeds();
-    for words in ["mine  ", "tendon a        2.0000 N", "tendon b        0.5000 N", "guide_spacing"] {
+    for words in
+        ["mine  ", "tendon a                2.0000 N", "tendon b                0.5000 N", "guide_spacing"]
+    {
         assert!(text.contains(words), "expected {words:?} in:\n{text}");
     }
     folder.run("solve mine.toml --tension a=3N --displacement c=-0.5mm").succeeds();

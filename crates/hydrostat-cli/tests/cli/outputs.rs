@@ -37,6 +37,60 @@ fn a_drawing_is_written_whole_or_not_at_all() {
     assert_eq!(folder.files(), ["rod.svg", "rod.toml", "taken.svg"]);
 }
 
+/// By its own name, by way of its folder, and by a link.
+#[test]
+fn no_output_replaces_an_input() {
+    let robot = format!("{ROD}name = \"hung\"\n");
+    let table = "load.hung.mass [g]\n20\n";
+    let folder = Folder::with("replaces", "rod.svg", robot);
+    for name in ["c.csv", "from.svg"] {
+        std::fs::write(folder.path(name), table).unwrap();
+    }
+    std::fs::write(folder.path("rod.csv"), std::fs::read(folder.path("rod.svg")).unwrap()).unwrap();
+    folder.run("new bench bench").succeeds();
+    let bench = std::fs::read_to_string(folder.path("bench.toml")).unwrap();
+    std::fs::write(folder.path("bench.svg"), bench.replace("\"bench.csv\"", "\"table.svg\"")).unwrap();
+    std::fs::rename(folder.path("bench.csv"), folder.path("table.svg")).unwrap();
+    #[cfg(unix)]
+    std::os::unix::fs::symlink("c.csv", folder.path("link.csv")).unwrap();
+    let before = folder.contents();
+    for (command, message) in [
+        ("solve rod.svg --batch c.csv --out c.csv", "--out would replace the table of commands"),
+        ("solve rod.svg --batch c.csv --out ./c.csv", "--out would replace the table of commands"),
+        #[cfg(unix)]
+        ("solve rod.svg --batch c.csv --out link.csv", "--out would replace the table of commands"),
+        #[cfg(unix)]
+        ("solve rod.svg --batch link.csv --out c.csv", "--out would replace the table of commands"),
+        ("solve rod.csv --batch c.csv --out rod.csv", "--out would replace the robot file"),
+        ("solve rod.svg --plot rod.svg", "--plot would replace the robot file"),
+        ("solve rod.svg --plot from.svg --from from.svg", "--plot would replace the solution to start from"),
+        ("verify bench.svg --plot bench.svg", "--plot would replace the bench"),
+        ("verify bench.svg --plot table.svg", "--plot would replace a file that the bench names"),
+    ] {
+        let run = folder.run(command);
+        assert_eq!(
+            (run.code, run.stderr.as_str()),
+            (2, format!("error: {message}\nhint: name another file\n").as_str()),
+            "{command}"
+        );
+        assert!(run.stdout.is_empty() && folder.contents() == before, "{command}");
+    }
+    std::fs::rename(folder.path("bench.svg"), folder.path("index.html")).unwrap();
+    let before = folder.contents();
+    folder.run("verify index.html --report .").refuses(&["--report would replace the bench"]);
+    assert!(folder.contents() == before);
+    // an older output is replaced
+    folder.run("solve rod.svg --batch c.csv --out rows.csv").succeeds();
+    folder.run("solve rod.svg --batch c.csv --out rows.csv").succeeds();
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_file_that_cannot_be_made_says_why() {
+    let run = Folder::with("no_room", "rod.toml", ROD).run("solve rod.toml --plot /proc/x.svg");
+    run.refuses(&["cannot write /proc/x.svg: ", "os error"]);
+}
+
 #[cfg(feature = "png")]
 #[test]
 fn a_drawing_can_be_a_png() {

@@ -133,6 +133,8 @@ fn wrong_flags() {
         "solve rod.toml --tolerance nan",
         "solve rod.toml --method guess",
         "solve rod.toml --shooting-intervals 0",
+        "solve rod.toml --shooting-intervals 3",
+        "solve rod.toml --shooting-intervals 3 --method energy",
         "new robot x",
     ] {
         let run = folder.run(arguments);

@@ -9,7 +9,7 @@ fn the_summary_is_for_people() {
     for words in [
         "tip position",
         "mm",
-        "base force",
+        "backbone force at base",
         "N mm",
         "strain",
         "limit",
@@ -246,11 +246,60 @@ fn derivatives_in_the_summary_have_their_units() {
     let folder = Folder::with("summary_derivatives", "rod.toml", ROD);
     let text = folder.run("solve rod.toml --jacobian --compliance").succeeds();
     assert!(
-        text.contains("  tip per N y     [") && text.contains(" mm/N, [") && text.contains(" deg/N\n"),
+        text.contains("  tip per N y             [")
+            && text.contains(" mm/N, [")
+            && text.contains(" deg/N\n"),
         "{text}"
     );
     let moment = text.lines().find(|line| line.contains("tip per N mm y")).unwrap();
     assert!(moment.contains("] mm/(N mm), [") && moment.ends_with("] deg/(N mm)"), "{moment}");
+}
+
+/// A rod so stiff that its answers per N are below a micrometre.
+#[test]
+fn derivatives_in_the_summary_keep_four_digits() {
+    let stiff = ROD.replace("diameter = \"1.56 mm\"", "diameter = \"30 mm\"").replace("54 GPa", "540 GPa");
+    let folder = Folder::with("significant_derivatives", "rod.toml", stiff);
+    let text = folder.run("solve rod.toml --compliance").succeeds();
+    let found = json(&folder.run("solve rod.toml --compliance --json").succeeds());
+    let along = found["compliance"]["force"]["tip_position_m_per_n"][1][1].as_f64().unwrap() * 1e3;
+    let line = text.lines().find(|line| line.starts_with("  tip per N y ")).unwrap();
+    let shown: f64 = line.split(['[', ',', ']']).nth(2).unwrap().trim().parse().unwrap();
+    assert!(along < 1e-2 && (shown / along - 1.0).abs() < 5e-4, "{shown} {along} in {line}");
+}
+
+/// Numbers that rounding leaves have an exponent, not sixteen zeros.
+#[test]
+fn csv_writes_tiny_numbers_with_an_exponent() {
+    let bent =
+        ROD.replace("tangent = [1, 0, 0]", "tangent = [1, 0, 0.3]").replace("[0, 1, 0]", "[0, 1, 0.1]");
+    let folder = Folder::with("csv_exponent", "rod.toml", bent);
+    let csv = folder.run("solve rod.toml --csv --stations 11").succeeds();
+    let cells = || csv.lines().skip(1).flat_map(|line| line.split(','));
+    assert!(cells().all(|cell| !cell.trim_start_matches('-').starts_with("0.00000")), "{csv}");
+    assert!(cells().any(|cell| cell.contains("e-")), "nothing is tiny in\n{csv}");
+    assert!(cells().all(|cell| cell != "-0.0"), "{csv}");
+}
+
+/// The hint leads to a method that does it.
+#[test]
+fn what_shooting_cannot_do_the_energy_method_can() {
+    let rubbing = SCR.replace("ends = \"trunk\"", "ends = \"trunk\"\nfriction = 0.1");
+    let folder = Folder::with("shooting_friction", "scr.toml", &rubbing);
+    let run = folder.run("solve scr.toml --method shooting");
+    let hint = "hint: use the energy method, which is the default";
+    assert_eq!(run.stderr, format!("error: shooting knows no friction of tendons\n{hint}\n"));
+    folder.run("solve scr.toml").succeeds();
+}
+
+#[test]
+fn shooting_says_that_it_does_not_judge_held_tendons() {
+    let folder = Folder::with("shooting_held", "scr.toml", SCR);
+    let run = "solve scr.toml --displacement a=5mm,b=0mm,c=0mm --method shooting";
+    let report = &json(&folder.run(&format!("{run} --json")).succeeds())["report"];
+    assert_eq!((&report["smallest_eigenvalue"], &report["stable"]), (&serde_json::Value::Null, &true.into()));
+    let text = folder.run(run).succeeds();
+    assert!(text.contains(&format!("  {:<23} stable\n", "stability")), "{text}");
 }
 
 const SCR: &str = include_str!("../../../../robots/scr.toml");
@@ -275,13 +324,21 @@ fn slack_tendons_are_named() {
         let line = run.stdout.lines().find(|line| line.starts_with("  slack")).unwrap().to_owned();
         (run.code, line)
     };
-    let of = |code: i32, words: &str| (code, format!("  slack           {words}"));
+    let of = |code: i32, words: &str| (code, format!("  {:<23} {words}", "slack"));
     let taut = line("scr.toml --displacement a=5mm,b=-2.4mm,c=-2.4mm");
-    assert_eq!(taut, of(0, "no tendon is slack"));
+    assert_eq!(taut, of(0, "no tendon held by displacement is slack"));
     let home = line("scr.toml --displacement a=5mm,b=2mm,c=0mm");
-    assert_eq!(home, of(0, "no tendon is slack"));
+    assert_eq!(home, of(0, "no tendon held by displacement is slack"));
     let out = line("scr.toml --displacement a=5mm,b=-5mm,c=-5mm");
     assert_eq!(out, of(0, "b, c slack, none of them pulled in"));
+    let text = folder.run("solve scr.toml --displacement a=5mm,b=-5mm,c=-5mm --plot scr.svg").succeeds();
+    let drawn = std::fs::read_to_string(folder.path("scr.svg")).unwrap();
+    assert!(drawn.contains("0.00 N, let out 5.00 mm, slack by 2."), "{drawn}");
+    let b = text.lines().find(|line| line.starts_with("  tendon b")).unwrap();
+    assert!(b.contains(" 0.0000 N, held at -5.000 mm, slack by 2."), "{b}");
+    assert!(text.contains(" N, pulled in 5.000 mm, "), "{text}");
+    let by_tension = folder.run("solve scr.toml --tension a=2N,b=0N,c=0N").succeeds();
+    assert!(!by_tension.contains("slack"), "{by_tension}");
     std::fs::write(folder.path("twice.toml"), SCR.replace("240 deg", "0 deg")).unwrap();
     let fails = line("twice.toml --displacement a=5mm,b=-5mm,c=1mm");
     assert_eq!(fails, of(1, "c slack although pulled in: FAILS"));
@@ -308,6 +365,6 @@ fn doubts_are_about_the_commands_in_force() {
     let run = folder.run("solve scr.toml --tension a=0.5N,b=2N");
     let doubt = "--tension b=2N: a tension of 2 N is above the tendon's breaking load of 1 N";
     assert_eq!((run.code, run.stderr), (1, format!("warning: {doubt}\n")));
-    let check = "  tension         2.000 N in tendon b, limit 1.000 N: FAILS\n";
-    assert!(run.stdout.contains(check), "{}", run.stdout);
+    let check = "2.000 N in tendon b, limit 1.000 N: FAILS";
+    assert!(run.stdout.contains(&format!("  {:<23} {check}\n", "tension")), "{}", run.stdout);
 }

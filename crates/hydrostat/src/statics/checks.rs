@@ -94,13 +94,22 @@ fn tension(robot: &Robot, states: &[TendonState]) -> Result<Option<Check>, Error
     Ok(worst)
 }
 
+/// Part of the robot's length by which a tendon at 0 N may be too long for its way: commands are rounded to about a micrometre,
+/// and those read off a solution decide by rounding whether the tendon pulls.
+const SLACK: f64 = 1e-5;
+
 /// Tendons that are slack although they are pulled in, and their number.
 fn slack(robot: &Robot, states: &[TendonState]) -> Option<Check> {
     let held = |command: &&Command| matches!(command, Command::Displacement { .. });
     robot.actuation.iter().find(held)?;
-    let pulled_in = |command: &Command| matches!(command, Command::Displacement { displacement, .. } if *displacement > 0.0);
-    let slack =
-        robot.actuation.iter().zip(states).filter(|(command, state)| pulled_in(command) && state.slack);
+    let fails = |(command, state): &(&Command, &TendonState)| match command {
+        Command::Displacement { displacement, .. } => {
+            let too_long = state.displacement - displacement > SLACK * robot.length();
+            *displacement > 0.0 && state.slack && too_long
+        }
+        Command::Tension { .. } => false,
+    };
+    let slack = robot.actuation.iter().zip(states).filter(fails);
     let tendons: Vec<String> = slack.map(|(_, state)| state.name.clone()).collect();
     let (value, ok) = (tendons.len() as f64, tendons.is_empty());
     Some(Check { name: "slack", value, limit: 0.0, ok, at: None, tendons })

@@ -34,7 +34,7 @@ pub(super) fn solve(
 ) -> Result<(Found, Vec<TendonState>), Error> {
     if robot.tendons.iter().any(|tendon| tendon.friction > 0.0) {
         return Err(Error::new("shooting knows no friction of tendons")
-            .hint("use the energy method, with dead loads only"));
+            .hint("use the energy method, which is the default"));
     }
     let known = if warm { workspace.tensions.clone() } else { Vec::new() };
     let given = |command: &Command| match command {
@@ -108,7 +108,7 @@ pub(super) fn solve(
         lengths = self::lengths(robot, workspace);
     }
     Err(Error::new("the tensions that hold the tendons at their displacements were not found by shooting")
-        .hint("use the energy method, or give tensions"))
+        .hint("use the energy method, which is the default"))
 }
 
 /// Steps that shooting may linearise for a robot.

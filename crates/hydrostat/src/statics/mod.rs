@@ -1,7 +1,7 @@
-//! How the shape of a rod is found: shooting, made trustworthy.
+//! How the shape of a robot is found.
 //!
-//! [`solve`] cuts the backbone into a chain, follows the equilibrium from the unloaded shape to the full
-//! load by Newton's method on a coarse mesh, then halves the steps until two resolutions agree.
+//! [`solve`] cuts the backbone into a chain, follows the equilibrium from the unloaded shape to the full load by Newton's method,
+//! and refines until two resolutions agree. `energy` is the default method; shooting is the other, independent of it.
 
 mod chain;
 mod checks;
@@ -20,6 +20,7 @@ mod stability;
 pub use constant_curvature::{Arcs, Weight, constant_curvature};
 pub use derivatives::{Input, derivatives};
 
+use crate::model::Command;
 use crate::solution::{Method, Station};
 use crate::{Equilibrium, Error, Robot};
 use chain::Chain;
@@ -239,13 +240,23 @@ const DOUBTFUL_PIVOT: f64 = 0.3;
 /// Whether the energy falls in some direction from the shape just found.
 fn judge(robot: &Robot, settings: &Settings, workspace: &mut Workspace, found: &Found) -> Judged {
     let Workspace { chain, tensions, steps_per_span, fine, dead, .. } = workspace;
-    let doubtful = found.conjugate_points > 0 || found.smallest_pivot < DOUBTFUL_PIVOT;
+    let held = |(command, tension): (&Command, &f64)| {
+        matches!(command, Command::Displacement { .. }) && *tension > 0.0
+    };
+    let held = robot.actuation.iter().zip(&*tensions).any(held);
+    // the steps of the shape do not look between plates
+    let doubtful = found.conjugate_points > 0 || found.smallest_pivot < DOUBTFUL_PIVOT || fine.own_differs();
     let (mut falls, mut smallest_eigenvalue) = (found.conjugate_points > 0, None);
     if !chain.follower && (settings.eigenvalue || doubtful) {
         let steps: Vec<usize> = steps_per_span.iter().map(|count| 2 * count).collect();
         let mut second_variation = SecondVariation::new(robot, tensions, chain, fine, &steps, dead);
-        falls = second_variation.eigenvalues_below(0.0) > 0;
-        smallest_eigenvalue = settings.eigenvalue.then(|| second_variation.smallest_eigenvalue());
+        falls = second_variation.falls_below(0.0);
+        smallest_eigenvalue = (settings.eigenvalue && !held).then(|| second_variation.smallest_eigenvalue());
+    }
+    if held {
+        // this was the robot whose tendons keep their tensions: to keep their lengths can only help
+        let stable = (!falls && chain.conservative).then_some(true);
+        return Judged { stable, smallest_eigenvalue: None, unstable_from: None };
     }
     Judged {
         // loads that have no energy may set a rod in motion even where no direction is downhill

@@ -273,8 +273,7 @@ impl Search<'_> {
             stuck.correction
         ))
         .hint(self.remedy(if *self.work > self.most_work && self.most_work < MOST_WORK {
-            "shooting was given up for the work it takes with these tendons: leave out loads that follow the shape or have a \
-             moment, which the energy method does not know, or hold fewer tendons by displacement"
+            "shooting was given up for the work it takes with these tendons: use the energy method, which is the default"
         } else if *self.work > self.most_work {
             "the search was given up after a million steps: the rod is very soft for its loads; check their units"
         } else {
