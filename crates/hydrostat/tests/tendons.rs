@@ -197,7 +197,7 @@ fn a_solutions_own_displacements_fail_no_check() {
     }
     // a and c in one hole: c is too long by 2 mm
     let mut robot = read(SHIPPED[1]);
-    robot.tendons[2].path = robot.tendons[0].path.clone();
+    robot.tendons[2].path = robot.tendons[0].path;
     parse_commands(&mut robot, &mut Vec::new(), &[], &["a=5mm,b=-5mm,c=3mm".into()], &[]).expect("commands");
     let check = slack(&solved(&robot, Method::Energy)).expect("tendons are held");
     assert_eq!((check.ok, check.tendons), (false, vec!["c".to_owned()]));
