@@ -1,6 +1,7 @@
 //! Text in, a robot or an experiment out. The format is `docs/format.md`.
 
 pub mod builtin;
+mod calibration;
 mod commands;
 mod data;
 mod experiment;
@@ -18,7 +19,8 @@ pub mod unit;
 mod format_test;
 
 pub use commands::parse_command_table;
-pub use experiment::parse_experiment;
+pub use calibration::CalibrationFlags;
+pub use experiment::{parse_calibration, parse_experiment};
 pub use robot::parse_robot;
 pub use tendon::parse_commands;
 

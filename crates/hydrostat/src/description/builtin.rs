@@ -1,6 +1,7 @@
 //! The files that the program carries: the rod and the bench of Gray 2009.
 
-use super::{Parsed, parse_experiment, parse_robot};
+use super::{CalibrationFlags, Parsed, parse_calibration, parse_experiment, parse_robot};
+use crate::calibrate::Problem;
 use crate::verify::Experiment;
 use crate::{Error, Robot};
 
@@ -20,6 +21,14 @@ pub fn robot() -> Result<Parsed<Robot>, Error> {
 /// Table 2 of Gray 2009, with the values that the thesis states.
 pub fn experiment() -> Result<Parsed<Experiment>, Error> {
     parse_experiment(EXPERIMENT, "experiments/gray2009/stated.toml", &mut load)
+}
+
+/// What `calibrate` frees of that table, one after the other, where nothing is named.
+pub const FREED: [&str; 2] = ["youngs_modulus", "youngs_modulus,length"];
+
+/// Table 2 of Gray 2009 with what is free.
+pub fn calibration(flags: &CalibrationFlags) -> Result<Parsed<Problem>, Error> {
+    parse_calibration(EXPERIMENT, "experiments/gray2009/stated.toml", &mut load, flags)
 }
 
 /// The same with the weight that the thesis's own prediction was made with.
