@@ -5,10 +5,8 @@ mod parameter;
 mod statistics;
 mod verdict;
 
-#[cfg(test)]
-mod tests;
-
 pub use parameter::{Dimension, Parameter, Part, Prior};
+pub use verdict::in_common;
 
 use crate::statics::Settings;
 use crate::verify::{Experiment, PointError, Summary, systematic};
@@ -204,6 +202,45 @@ pub fn calibrate(problem: &Problem, settings: &Settings) -> Result<Calibration, 
     calibration.verdict = verdict::verdict(problem, &calibration, &statistics, &at, &fit.scale, runs);
     calibration.warnings = verdict::warnings(problem, &calibration, &statistics, &at, &minimum.held);
     Ok(calibration)
+}
+
+/// Where a fit of this problem starts: the values of the files, within their bounds, SI.
+///
+/// # Errors
+/// A parameter that has no value, such as the stiffness of an inextensible tendon.
+pub fn start(problem: &Problem) -> Result<Vec<f64>, Error> {
+    Fit::new(problem, &Settings::default()).map(|fit| fit.start)
+}
+
+/// What was measured, as predicted with one parameter at `value`, SI, and all others as in the files: (coordinates).
+///
+/// # Errors
+/// A row that cannot be solved, with its inputs.
+pub fn predict(problem: &Problem, parameter: usize, value: f64, settings: &Settings) -> Result<DVector<f64>, Error> {
+    let mut fit = Fit::new(problem, settings)?;
+    let mut values = fit.start.clone();
+    values[parameter] = value;
+    let predicted = fit.points(&values)?;
+    let points = predicted.iter().flat_map(|row| problem.experiment.points.iter().zip(row));
+    let coordinates = points.flat_map(|(point, position)| point.axes.iter().map(|&axis| position[axis]));
+    Ok(DVector::from_vec(coordinates.collect()))
+}
+
+/// What was measured, as predicted with the values of the files: (coordinates), and its derivatives by every parameter, SI,
+/// (coordinates x parameters). Coordinates are in the order of rows, points, axes.
+///
+/// # Errors
+/// A row that cannot be solved, with its inputs.
+pub fn sensitivities(problem: &Problem, settings: &Settings) -> Result<(DVector<f64>, DMatrix<f64>), Error> {
+    let mut fit = Fit::new(problem, settings)?;
+    let at = fit.evaluate(&fit.variables(&fit.start), 1.0)?;
+    let experiment = &problem.experiment;
+    let read = experiment.rows.iter().flat_map(|row| experiment.points.iter().zip(&row.observed));
+    let read = read.flat_map(|(point, observed)| point.axes.iter().map(|&axis| (observed[axis], point.reading_error)));
+    let read: Vec<(f64, f64)> = read.collect();
+    let predicted = DVector::from_fn(read.len(), |k, _| read[k].0 + read[k].1 * at.residuals[k]);
+    let jacobian = DMatrix::from_fn(read.len(), fit.scale.len(), |k, j| read[k].1 * at.jacobian[(k, j)] / fit.scale[j]);
+    Ok((predicted, jacobian))
 }
 
 /// Turns of weights and fit, and the relative change of the errors' scale that ends them.

@@ -9,6 +9,7 @@ mod load;
 pub mod materials;
 pub mod quantity;
 mod reader;
+mod rewrite;
 mod robot;
 mod section;
 pub mod templates;
@@ -21,6 +22,7 @@ mod format_test;
 pub use commands::parse_command_table;
 pub use calibration::CalibrationFlags;
 pub use experiment::{parse_calibration, parse_experiment};
+pub use rewrite::write_calibrated;
 pub use robot::parse_robot;
 pub use tendon::parse_commands;
 

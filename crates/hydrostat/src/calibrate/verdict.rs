@@ -78,6 +78,23 @@ fn unexplained(problem: &Problem, calibration: &Calibration) -> Option<String> {
     ))
 }
 
+/// What several calibrations of one bench leave alike, where there are several and they leave something.
+pub fn in_common(calibrations: &[&Calibration]) -> Option<String> {
+    let unexplained = || calibrations.iter().map(|calibration| 1e3 * calibration.unexplained);
+    let refuted = |calibration: &&Calibration| calibration.chance.is_some_and(|chance| chance < SIGNIFICANCE);
+    if calibrations.len() < 2 || !calibrations.iter().all(refuted) {
+        return None;
+    }
+    let (low, high) = unexplained().fold((f64::INFINITY, 0.0_f64), |(low, high), x| (low.min(x), high.max(x)));
+    let systematic = calibrations.iter().all(|calibration| calibration.systematic == Some(true));
+    let why = if systematic { ": the residuals are systematic, and not of reading" } else { "" };
+    Some(format!(
+        "Whichever of these is freed, {} to {} mm per coordinate ({low:.1} to {high:.1} mm) stay unexplained by the reading error{why}.",
+        low.floor(),
+        high.ceil()
+    ))
+}
+
 /// `a, b and c`
 fn and(names: &[&str]) -> String {
     match names {

@@ -1,7 +1,7 @@
 //! The files that the program carries: the rod and the bench of Gray 2009.
 
 use super::{CalibrationFlags, Parsed, parse_calibration, parse_experiment, parse_robot};
-use crate::calibrate::Problem;
+use crate::calibrate::{Calibration, Problem};
 use crate::verify::Experiment;
 use crate::{Error, Robot};
 
@@ -34,6 +34,11 @@ pub fn calibration(flags: &CalibrationFlags) -> Result<Parsed<Problem>, Error> {
 /// The same with the weight that the thesis's own prediction was made with.
 pub fn fitted_experiment() -> Result<Parsed<Experiment>, Error> {
     parse_experiment(FITTED_EXPERIMENT, "experiments/gray2009/fitted_weight.toml", &mut load)
+}
+
+/// The text of the rod's file with the values of a calibration.
+pub fn write_calibrated(calibration: &Calibration, note: &[String]) -> Result<String, Error> {
+    super::write_calibrated(EXPERIMENT, "experiments/gray2009/stated.toml", &mut load, calibration, note)
 }
 
 /// Fetches a carried file by the path that the carried experiments give it.
