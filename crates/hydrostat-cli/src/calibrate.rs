@@ -2,11 +2,11 @@
 
 use crate::text::{MM, aligned};
 use crate::{End, Outcome, files, json, warn};
+use hydrostat::Error;
 use hydrostat::calibrate::{Calibration, Loss, Problem, calibrate};
 use hydrostat::description::{self, CalibrationFlags, Parsed, builtin};
 use hydrostat::statics::Settings;
 use hydrostat::verify::{PointError, Summary};
-use hydrostat::Error;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -80,7 +80,11 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
         let text = calibrated_robot(args.experiment.as_deref(), problem, calibration)?;
         files::write(path, text.as_bytes())?;
     }
-    let stdout = if args.json { format!("{}\n", json::calibrations(&done)) } else { text(&done, args.write.as_deref()) };
+    let stdout = if args.json {
+        format!("{}\n", json::calibrations(&done))
+    } else {
+        text(&done, args.write.as_deref())
+    };
     Ok(Outcome { stdout, end: End::Passed })
 }
 
@@ -99,7 +103,11 @@ fn linked(experiment: &Path) -> impl FnMut(&str) -> Result<String, Error> {
 }
 
 /// The robot file with the values found, and above it where they come from.
-fn calibrated_robot(path: Option<&Path>, problem: &Problem, calibration: &Calibration) -> Result<String, Error> {
+fn calibrated_robot(
+    path: Option<&Path>,
+    problem: &Problem,
+    calibration: &Calibration,
+) -> Result<String, Error> {
     let experiment = &problem.experiment;
     let mut note = vec![
         format!("Calibrated by hydrostat {} on {}", env!("CARGO_PKG_VERSION"), experiment.name),
@@ -121,7 +129,13 @@ fn calibrated_robot(path: Option<&Path>, problem: &Problem, calibration: &Calibr
     match path {
         Some(path) => {
             let text = files::read_text(path)?;
-            description::write_calibrated(&text, &path.to_string_lossy(), &mut linked(path), calibration, &note)
+            description::write_calibrated(
+                &text,
+                &path.to_string_lossy(),
+                &mut linked(path),
+                calibration,
+                &note,
+            )
         }
         None => builtin::write_calibrated(calibration, &note),
     }
@@ -144,7 +158,8 @@ fn text(done: &[(Problem, Calibration)], written: Option<&Path>) -> String {
             "\nFree: {}; {} rows, {} coordinates, {} steps\n",
             names.join(", "),
             experiment.rows.len(),
-            problem.experiment.rows.len() * experiment.points.iter().map(|point| point.axes.len()).sum::<usize>(),
+            problem.experiment.rows.len()
+                * experiment.points.iter().map(|point| point.axes.len()).sum::<usize>(),
             calibration.steps
         );
         text += &aligned(&parameters(calibration));
@@ -183,7 +198,9 @@ fn parameters(calibration: &Calibration) -> Vec<Vec<String>> {
             estimate.parameter.show(estimate.before, None),
             show(estimate.value),
             error.map_or_else(unknown, show),
-            estimate.interval_95.map_or_else(unknown, |[low, high]| format!("{} to {}", show(low), show(high))),
+            estimate
+                .interval_95
+                .map_or_else(unknown, |[low, high]| format!("{} to {}", show(low), show(high))),
         ]);
     }
     table
@@ -229,7 +246,8 @@ fn rows(problem: &Problem, calibration: &Calibration) -> Vec<Vec<String>> {
     let mut header: Vec<String> =
         experiment.inputs.iter().map(|input| format!("{} [{}]", input.column, input.unit.0)).collect();
     header.extend(several.then(|| "at [mm]".to_owned()));
-    let axes: Vec<usize> = (0..3).filter(|axis| experiment.points.iter().any(|point| point.axes.contains(axis))).collect();
+    let axes: Vec<usize> =
+        (0..3).filter(|axis| experiment.points.iter().any(|point| point.axes.contains(axis))).collect();
     header.extend(axes.iter().map(|&axis| format!("{} off [mm]", ["x", "y", "z"][axis])));
     header.extend(["error [mm]".to_owned(), "before [mm]".to_owned()]);
     let mut table = vec![header];
@@ -238,7 +256,8 @@ fn rows(problem: &Problem, calibration: &Calibration) -> Vec<Vec<String>> {
         let (after, before) = (errors(&row.after), errors(&row.before));
         for (i, point) in experiment.points.iter().enumerate() {
             let inputs = experiment.inputs.iter().zip(&row.inputs);
-            let mut cells: Vec<String> = inputs.map(|(input, value)| format!("{:.2}", value / input.unit.1)).collect();
+            let mut cells: Vec<String> =
+                inputs.map(|(input, value)| format!("{:.2}", value / input.unit.1)).collect();
             cells.extend(several.then(|| format!("{:.1}", point.at * MM)));
             let off = row.after[i].predicted - row.after[i].observed;
             cells.extend(axes.iter().map(|axis| match point.axes.contains(axis) {

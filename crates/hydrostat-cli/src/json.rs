@@ -89,7 +89,8 @@ pub(crate) fn verification(experiment: &Experiment, verification: &Verification)
 
 /// `calibrate --json`; calibrations after the first stand under `further`.
 pub(crate) fn calibrations(done: &[(Problem, Calibration)]) -> Value {
-    let mut all = done.iter().map(|(problem, calibration)| Value::Object(of_calibration(problem, calibration)));
+    let mut all =
+        done.iter().map(|(problem, calibration)| Value::Object(of_calibration(problem, calibration)));
     let mut first = all.next().unwrap_or(Value::Null);
     let further: Vec<Value> = all.collect();
     if !further.is_empty() {
@@ -123,7 +124,10 @@ fn of_calibration(problem: &Problem, calibration: &Calibration) -> Map<String, V
     all.insert("error_scale".into(), json!(calibration.error_scale));
     all.insert("unexplained_m".into(), json!(calibration.unexplained));
     all.insert("systematic".into(), json!(calibration.systematic));
-    all.insert("left_out".into(), calibration.left_out.as_ref().map_or(Value::Null, |errors| Value::Object(summary(errors))));
+    all.insert(
+        "left_out".into(),
+        calibration.left_out.as_ref().map_or(Value::Null, |errors| Value::Object(summary(errors))),
+    );
     all.insert("holdout".into(), Value::Null);
     all.insert("verdict".into(), json!(calibration.verdict));
     all.insert("warnings".into(), json!(calibration.warnings));

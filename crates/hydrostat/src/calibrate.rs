@@ -1,6 +1,7 @@
 //! Fits parameters of a robot and its bench to what was measured, and says how sure they are.
 
 mod fit;
+mod neighbours;
 mod parameter;
 mod statistics;
 mod verdict;
@@ -90,7 +91,8 @@ pub struct CalibratedRow {
 impl Problem {
     /// Everything that was read: rows, points, axes.
     pub(crate) fn coordinates(&self) -> usize {
-        self.experiment.rows.len() * self.experiment.points.iter().map(|point| point.axes.len()).sum::<usize>()
+        self.experiment.rows.len()
+            * self.experiment.points.iter().map(|point| point.axes.len()).sum::<usize>()
     }
 
     fn check(&self) -> Result<(), Error> {
@@ -99,22 +101,29 @@ impl Problem {
             return Err(Error::new("nothing is free, so that there is nothing to calibrate"));
         }
         for (j, parameter) in self.parameters.iter().enumerate() {
-            let earlier = self.parameters[..j].iter().find(|other| other.parts.iter().any(|part| parameter.parts.contains(part)));
+            let earlier = self.parameters[..j]
+                .iter()
+                .find(|other| other.parts.iter().any(|part| parameter.parts.contains(part)));
             if let Some(other) = earlier {
-                return Err(Error::new(format!("\"{}\" and \"{}\" free the same quantity", other.name, parameter.name)));
+                return Err(Error::new(format!(
+                    "\"{}\" and \"{}\" free the same quantity",
+                    other.name, parameter.name
+                )));
             }
         }
         let priors = self.parameters.iter().filter(|parameter| parameter.prior.is_some()).count();
         let (free, coordinates) = (self.parameters.len(), self.coordinates());
         if free > coordinates + priors {
-            return Err(Error::new(format!("{free} free parameters, but only {coordinates} measured coordinates"))
-                .hint("free fewer, tie some (a+b), give priors, or measure more"));
+            return Err(Error::new(format!(
+                "{free} free parameters, but only {coordinates} measured coordinates"
+            ))
+            .hint("free fewer, tie some (a+b), give priors, or measure more"));
         }
         Ok(())
     }
 }
 
-/// Least squares over all measured coordinates, theory (44) to (49).
+/// Least squares over all measured coordinates, theory (44) to (50).
 ///
 /// # Errors
 /// A row that cannot be solved where the fit starts, with its inputs; more free parameters than coordinates; a parameter that moves
@@ -131,7 +140,8 @@ pub fn calibrate(problem: &Problem, settings: &Settings) -> Result<Calibration, 
     // errors are as stated until chi-square refutes them; priors and robust loss then weigh against larger ones
     let mut minimum = fit.minimize(&start, 1.0, Loss::Squares)?;
     let mut error_scale = statistics::error_scale(problem, &minimum, 1.0);
-    let weighs = problem.loss == Loss::Huber || problem.parameters.iter().any(|parameter| parameter.prior.is_some());
+    let weighs =
+        problem.loss == Loss::Huber || problem.parameters.iter().any(|parameter| parameter.prior.is_some());
     for _ in 0..MOST_REWEIGHTINGS {
         if !weighs {
             break;
@@ -166,6 +176,12 @@ pub fn calibrate(problem: &Problem, settings: &Settings) -> Result<Calibration, 
     let inputs: Vec<&[f64]> = rows.iter().map(|row| row.inputs.as_slice()).collect();
     let residuals: Vec<&[PointError]> = rows.iter().map(|row| row.after.as_slice()).collect();
     let runs = systematic(experiment, &inputs, &residuals);
+    let alike = neighbours::alike(experiment, &rows);
+    let tests = runs
+        .iter()
+        .map(|found| found.is)
+        .chain(alike.iter().map(|(_, chance)| *chance < statistics::SIGNIFICANCE));
+    let follows = tests.reduce(|a, b| a || b);
     let parameters = problem.parameters.iter().enumerate().map(|(j, parameter)| {
         let standard_error = statistics.standard_error(j).map(|error| error * fit.scale[j]);
         Estimate {
@@ -190,16 +206,17 @@ pub fn calibrate(problem: &Problem, settings: &Settings) -> Result<Calibration, 
         chance: statistics.chance,
         error_scale,
         unexplained: statistics.unexplained,
-        systematic: (!runs.is_empty()).then(|| runs.iter().any(|found| found.is)),
-        left_out: statistics.left_out(problem, &at).map(|errors| {
-            experiment.summary(experiment.robot.length(), errors.into_iter().flatten())
-        }),
+        systematic: follows,
+        left_out: statistics
+            .left_out(problem, &at)
+            .map(|errors| experiment.summary(experiment.robot.length(), errors.into_iter().flatten())),
         rows,
         verdict: Vec::new(),
         warnings: Vec::new(),
         steps: minimum.steps,
     };
-    calibration.verdict = verdict::verdict(problem, &calibration, &statistics, &at, &fit.scale, runs);
+    calibration.verdict = verdict::verdict(problem, &calibration, &statistics, &at, &fit.scale);
+    calibration.verdict.splice(1..1, verdict::follows(runs, alike));
     calibration.warnings = verdict::warnings(problem, &calibration, &statistics, &at, &minimum.held);
     Ok(calibration)
 }
@@ -216,7 +233,12 @@ pub fn start(problem: &Problem) -> Result<Vec<f64>, Error> {
 ///
 /// # Errors
 /// A row that cannot be solved, with its inputs.
-pub fn predict(problem: &Problem, parameter: usize, value: f64, settings: &Settings) -> Result<DVector<f64>, Error> {
+pub fn predict(
+    problem: &Problem,
+    parameter: usize,
+    value: f64,
+    settings: &Settings,
+) -> Result<DVector<f64>, Error> {
     let mut fit = Fit::new(problem, settings)?;
     let mut values = fit.start.clone();
     values[parameter] = value;
@@ -236,10 +258,12 @@ pub fn sensitivities(problem: &Problem, settings: &Settings) -> Result<(DVector<
     let at = fit.evaluate(&fit.variables(&fit.start), 1.0)?;
     let experiment = &problem.experiment;
     let read = experiment.rows.iter().flat_map(|row| experiment.points.iter().zip(&row.observed));
-    let read = read.flat_map(|(point, observed)| point.axes.iter().map(|&axis| (observed[axis], point.reading_error)));
+    let read = read
+        .flat_map(|(point, observed)| point.axes.iter().map(|&axis| (observed[axis], point.reading_error)));
     let read: Vec<(f64, f64)> = read.collect();
     let predicted = DVector::from_fn(read.len(), |k, _| read[k].0 + read[k].1 * at.residuals[k]);
-    let jacobian = DMatrix::from_fn(read.len(), fit.scale.len(), |k, j| read[k].1 * at.jacobian[(k, j)] / fit.scale[j]);
+    let jacobian =
+        DMatrix::from_fn(read.len(), fit.scale.len(), |k, j| read[k].1 * at.jacobian[(k, j)] / fit.scale[j]);
     Ok((predicted, jacobian))
 }
 

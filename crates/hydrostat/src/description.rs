@@ -19,8 +19,8 @@ pub mod unit;
 #[cfg(test)]
 mod format_test;
 
-pub use commands::parse_command_table;
 pub use calibration::CalibrationFlags;
+pub use commands::parse_command_table;
 pub use experiment::{parse_calibration, parse_experiment};
 pub use rewrite::write_calibrated;
 pub use robot::parse_robot;

@@ -2,11 +2,11 @@
 
 use super::parameter::{Part, Setup};
 use super::{Loss, Parameter, Problem};
+use crate::Error;
 use crate::model::Robot;
 use crate::numeric::least_squares::{self, Evaluation, Minimum};
 use crate::statics::{self, Input, Workspace};
 use crate::verify::{Experiment, Row};
-use crate::Error;
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
 
@@ -46,7 +46,11 @@ impl<'a> Fit<'a> {
             Ok(if outside { parameter.bounds[0].max(parameter.bounds[1].min(value)) } else { value })
         });
         let start = start.collect::<Result<Vec<f64>, Error>>()?;
-        let scale = problem.parameters.iter().zip(&start).map(|(parameter, &value)| parameter.parts[0].scale(experiment, value));
+        let scale = problem
+            .parameters
+            .iter()
+            .zip(&start)
+            .map(|(parameter, &value)| parameter.parts[0].scale(experiment, value));
         let scale = scale.collect();
         let tolerance = settings.tolerance.min(TOLERANCE);
         let settings = statics::Settings { stations: 0, eigenvalue: false, tolerance, ..settings.clone() };
@@ -60,7 +64,10 @@ impl<'a> Fit<'a> {
     }
 
     pub(super) fn variables(&self, values: &[f64]) -> DVector<f64> {
-        DVector::from_iterator(values.len(), values.iter().zip(&self.scale).map(|(value, scale)| value / scale))
+        DVector::from_iterator(
+            values.len(),
+            values.iter().zip(&self.scale).map(|(value, scale)| value / scale),
+        )
     }
 
     /// Residuals over reading errors of every coordinate, then of the priors; theory (44).
@@ -104,7 +111,12 @@ impl<'a> Fit<'a> {
     }
 
     /// The best values with reading errors so many times as large as stated.
-    pub(super) fn minimize(&mut self, from: &DVector<f64>, error_scale: f64, loss: Loss) -> Result<Minimum, Error> {
+    pub(super) fn minimize(
+        &mut self,
+        from: &DVector<f64>,
+        error_scale: f64,
+        loss: Loss,
+    ) -> Result<Minimum, Error> {
         let bounds = self.problem.parameters.iter().zip(&self.scale);
         let bounds: Vec<[f64; 2]> =
             bounds.map(|(parameter, scale)| parameter.bounds.map(|bound| bound / scale)).collect();
@@ -142,7 +154,8 @@ fn points_of(
     points
         .map(|(point, offset)| {
             let station = workspace.station(robot, experiment.place(point.at, robot));
-            let station = station.ok_or_else(|| Error::new(format!("no point at s = {} m on this backbone", point.at)))?;
+            let station = station
+                .ok_or_else(|| Error::new(format!("no point at s = {} m on this backbone", point.at)))?;
             Ok(experiment.to_bench(&(station.position + station.rotation * offset)))
         })
         .collect()

@@ -29,28 +29,59 @@ pub struct Prior {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Part {
     /// G keeps its ratio to E, unless it is free itself.
-    YoungsModulus { material: String },
-    ShearModulus { material: String },
-    Density { material: String },
+    YoungsModulus {
+        material: String,
+    },
+    ShearModulus {
+        material: String,
+    },
+    Density {
+        material: String,
+    },
     /// Takes the section's guides and what is at the tip along.
-    Length { section: usize },
+    Length {
+        section: usize,
+    },
     /// A taper keeps its proportions.
-    Dimension { section: usize, which: Dimension },
-    RestCurvature { section: usize, axis: usize },
+    Dimension {
+        section: usize,
+        which: Dimension,
+    },
+    RestCurvature {
+        section: usize,
+        axis: usize,
+    },
     /// A hole that comes nearer to the backbone keeps its proportions.
-    HoleRadius { tendon: usize },
-    HoleAngle { tendon: usize },
-    Stiffness { tendon: usize },
-    Friction { tendon: usize },
-    BasePosition { axis: usize },
+    HoleRadius {
+        tendon: usize,
+    },
+    HoleAngle {
+        tendon: usize,
+    },
+    Stiffness {
+        tendon: usize,
+    },
+    Friction {
+        tendon: usize,
+    },
+    BasePosition {
+        axis: usize,
+    },
     /// Rotation vector, world axes, about the base; on top of the file's.
-    BaseRotation { axis: usize },
+    BaseRotation {
+        axis: usize,
+    },
     /// About the bench's z axis; on top of the file's.
     MountAngle,
     /// Added to every mass of a varied input.
-    MassOffset { input: usize },
+    MassOffset {
+        input: usize,
+    },
     /// Of a measured point from the backbone, body frame.
-    MarkerOffset { point: usize, axis: usize },
+    MarkerOffset {
+        point: usize,
+        axis: usize,
+    },
 }
 
 /// Of a cross-section.
@@ -130,7 +161,9 @@ impl Part {
         let length = experiment.robot.length();
         match self {
             Part::BasePosition { .. } | Part::MarkerOffset { .. } => length,
-            Part::HoleAngle { .. } | Part::BaseRotation { .. } | Part::MountAngle | Part::Friction { .. } => 1.0,
+            Part::HoleAngle { .. } | Part::BaseRotation { .. } | Part::MountAngle | Part::Friction { .. } => {
+                1.0
+            }
             Part::RestCurvature { .. } => 1.0 / length,
             Part::MassOffset { input } => {
                 let masses = experiment.rows.iter().map(|row| row.inputs[*input].abs());
@@ -153,7 +186,9 @@ impl Part {
             Part::ShearModulus { material } => format!("material.{material}.shear_modulus"),
             Part::Density { material } => format!("material.{material}.density"),
             Part::Length { section: i } => format!("section.{}.length", section(*i)),
-            Part::Dimension { section: i, which } => format!("section.{}.profile.{}", section(*i), which.key()),
+            Part::Dimension { section: i, which } => {
+                format!("section.{}.profile.{}", section(*i), which.key())
+            }
             Part::RestCurvature { section: i, axis } => {
                 format!("section.{}.rest_curvature.{}", section(*i), AXES[*axis])
             }
@@ -165,7 +200,9 @@ impl Part {
             Part::BaseRotation { axis } => format!("base.rotation.{}", AXES[*axis]),
             Part::MountAngle => "bench.mount_angle".to_owned(),
             Part::MassOffset { input } => format!("vary.{}.mass_offset", input + 1),
-            Part::MarkerOffset { point, axis } => format!("measure.{}.marker_offset.{}", point + 1, AXES[*axis]),
+            Part::MarkerOffset { point, axis } => {
+                format!("measure.{}.marker_offset.{}", point + 1, AXES[*axis])
+            }
         }
     }
 
@@ -228,8 +265,11 @@ impl Part {
             Part::Stiffness { tendon } => {
                 let tendon = &robot.tendons[*tendon];
                 tendon.stiffness.ok_or_else(|| {
-                    Error::new(format!("tendon \"{}\" is inextensible: it has no stiffness to calibrate", tendon.name))
-                        .hint("give it a stiffness to start from in the robot file")
+                    Error::new(format!(
+                        "tendon \"{}\" is inextensible: it has no stiffness to calibrate",
+                        tendon.name
+                    ))
+                    .hint("give it a stiffness to start from in the robot file")
                 })?
             }
             Part::Friction { tendon } => robot.tendons[*tendon].friction,
@@ -263,7 +303,8 @@ impl Part {
             Part::RestCurvature { section, axis } => robot.sections[*section].rest_curvature[*axis] = value,
             Part::HoleRadius { tendon } => {
                 let path = &mut robot.tendons[*tendon].path;
-                path.tip_radius = if path.radius > 0.0 { path.tip_radius * value / path.radius } else { value };
+                path.tip_radius =
+                    if path.radius > 0.0 { path.tip_radius * value / path.radius } else { value };
                 path.radius = value;
             }
             Part::HoleAngle { tendon } => robot.tendons[*tendon].path.angle = value,
@@ -354,18 +395,28 @@ impl Parameter {
                 [] => return Err(unknown(pattern, &all)),
                 [_, _, ..] if !pattern.contains('*') => {
                     let paths: Vec<&str> = found.iter().map(|(path, _)| path.as_str()).collect();
-                    return Err(Error::new(format!("\"{pattern}\" is the name of {} parameters", found.len())).hint(
-                        format!(
-                            "free one of {}, or give them one value: {}",
-                            paths.join(", "),
-                            paths.join("+")
-                        ),
-                    ));
+                    return Err(Error::new(format!(
+                        "\"{pattern}\" is the name of {} parameters",
+                        found.len()
+                    ))
+                    .hint(format!(
+                        "free one of {}, or give them one value: {}",
+                        paths.join(", "),
+                        paths.join("+")
+                    )));
                 }
-                _ => parts.extend(found.into_iter().map(|(_, part)| part.clone()).filter(|part| !parts.contains(part)).collect::<Vec<_>>()),
+                _ => parts.extend(
+                    found
+                        .into_iter()
+                        .map(|(_, part)| part.clone())
+                        .filter(|part| !parts.contains(part))
+                        .collect::<Vec<_>>(),
+                ),
             }
         }
-        if let Some(other) = parts.iter().find(|part| std::mem::discriminant(*part) != std::mem::discriminant(&parts[0])) {
+        if let Some(other) =
+            parts.iter().find(|part| std::mem::discriminant(*part) != std::mem::discriminant(&parts[0]))
+        {
             return Err(Error::new(format!(
                 "\"{name}\" ties {} to {}, which is another kind of quantity",
                 parts[0].path(experiment),
@@ -424,9 +475,10 @@ fn matches(pattern: &str, path: &str, part: &Part, experiment: &Experiment) -> b
         Part::Length { section } | Part::Dimension { section, .. } | Part::RestCurvature { section, .. } => {
             Some(section + 1)
         }
-        Part::HoleRadius { tendon } | Part::HoleAngle { tendon } | Part::Stiffness { tendon } | Part::Friction { tendon } => {
-            Some(tendon + 1)
-        }
+        Part::HoleRadius { tendon }
+        | Part::HoleAngle { tendon }
+        | Part::Stiffness { tendon }
+        | Part::Friction { tendon } => Some(tendon + 1),
         _ => None,
     };
     let named = |name: &str| {

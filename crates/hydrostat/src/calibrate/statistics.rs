@@ -132,7 +132,12 @@ impl Statistics {
             chi_square,
             degrees_of_freedom,
             chance: (degrees_of_freedom > 0).then(|| chance(chi_square, degrees_of_freedom)),
-            unexplained: unexplained(problem, &at.residuals.rows(0, coordinates).into(), error_scale, degrees_of_freedom),
+            unexplained: unexplained(
+                problem,
+                &at.residuals.rows(0, coordinates).into(),
+                error_scale,
+                degrees_of_freedom,
+            ),
             leverage,
         }
     }
@@ -155,7 +160,8 @@ impl Statistics {
         if !self.determined[j] {
             return 1.0;
         }
-        let inflation: f64 = self.eigen.iter().filter(|(value, _)| *value > 0.0).map(|(value, v)| v[j].powi(2) / value).sum();
+        let inflation: f64 =
+            self.eigen.iter().filter(|(value, _)| *value > 0.0).map(|(value, v)| v[j].powi(2) / value).sum();
         (1.0 - 1.0 / inflation.max(1.0)).sqrt()
     }
 
@@ -194,7 +200,7 @@ impl Statistics {
         Some(all)
     }
 
-    /// Coordinates that lie off by more than chance allows among so many: index, standard errors off.
+    /// Coordinates that lie off by more than chance allows among so many, theory (49): index, standard errors off.
     pub(super) fn outliers(&self, problem: &Problem, at: &Evaluation) -> Vec<(usize, f64)> {
         let coordinates = problem.coordinates();
         if self.degrees_of_freedom < 3 {
@@ -231,9 +237,15 @@ fn huber_factor(problem: &Problem, at: &Evaluation, free: usize) -> f64 {
 }
 
 /// Root of the mean square per coordinate beyond the reading error, m.
-fn unexplained(problem: &Problem, residuals: &DVector<f64>, error_scale: f64, degrees_of_freedom: usize) -> f64 {
+fn unexplained(
+    problem: &Problem,
+    residuals: &DVector<f64>,
+    error_scale: f64,
+    degrees_of_freedom: usize,
+) -> f64 {
     let points = &problem.experiment.points;
-    let per_row: Vec<f64> = points.iter().flat_map(|point| point.axes.iter().map(|_| point.reading_error)).collect();
+    let per_row: Vec<f64> =
+        points.iter().flat_map(|point| point.axes.iter().map(|_| point.reading_error)).collect();
     let errors = per_row.iter().cycle();
     let (mut squares, mut read) = (0.0, 0.0);
     for (r, error) in residuals.iter().zip(errors) {

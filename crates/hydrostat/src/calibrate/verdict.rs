@@ -14,10 +14,8 @@ pub(super) fn verdict(
     statistics: &Statistics,
     at: &Evaluation,
     scale: &[f64],
-    runs: Vec<Systematic>,
 ) -> Vec<String> {
     let mut verdict = vec![goodness(problem, calibration)];
-    verdict.extend(runs.into_iter().map(|found| found.sentence));
     verdict.extend(unexplained(problem, calibration));
     verdict.push(match &calibration.left_out {
         Some(errors) => format!(
@@ -33,14 +31,32 @@ pub(super) fn verdict(
     verdict
 }
 
+/// Whether the residuals follow an input: runs of their sign, and the likeness of neighbours.
+pub(super) fn follows(runs: Vec<Systematic>, alike: Option<(String, f64)>) -> Vec<String> {
+    let mut sentences: Vec<String> = runs.into_iter().map(|found| found.sentence).collect();
+    sentences.extend(alike.map(|(column, chance)| {
+        let shown = if chance < SIGNIFICANCE { "is systematic" } else { "is not shown to be systematic" };
+        format!(
+            "By sizes the residual {shown} with {column}: rows next to each other err as much alike in {} of all orders.",
+            percent(chance)
+        )
+    }));
+    sentences
+}
+
 fn goodness(problem: &Problem, calibration: &Calibration) -> String {
     let Calibration { chi_square, degrees_of_freedom, error_scale, .. } = calibration;
     let Some(chance) = calibration.chance else {
         return "There are as many free parameters as coordinates: the fit is exact, and nothing is left to judge it by.".to_owned();
     };
-    let test = format!("chi-square {chi_square:.1} with {degrees_of_freedom} degrees of freedom, chance {}", percent(chance));
+    let test = format!(
+        "chi-square {chi_square:.1} with {degrees_of_freedom} degrees of freedom, chance {}",
+        percent(chance)
+    );
     if chance >= SIGNIFICANCE {
-        return format!("The reading error explains the residuals ({test}); the intervals rest on it as stated.");
+        return format!(
+            "The reading error explains the residuals ({test}); the intervals rest on it as stated."
+        );
     }
     let loss = if problem.loss == Loss::Huber { "the bulk of the residuals" } else { "the residuals" };
     if *error_scale > 1.0 {
@@ -49,7 +65,9 @@ fn goodness(problem: &Problem, calibration: &Calibration) -> String {
              large, with Student's t, as if those were of chance."
         )
     } else {
-        format!("The reading error does not explain some of the residuals ({test}), but it does explain their bulk.")
+        format!(
+            "The reading error does not explain some of the residuals ({test}), but it does explain their bulk."
+        )
     }
 }
 
@@ -62,7 +80,8 @@ fn unexplained(problem: &Problem, calibration: &Calibration) -> Option<String> {
         return None;
     }
     let names: Vec<&str> = problem.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
-    let smallest = problem.experiment.points.iter().map(|point| point.reading_error).fold(f64::INFINITY, f64::min);
+    let smallest =
+        problem.experiment.points.iter().map(|point| point.reading_error).fold(f64::INFINITY, f64::min);
     let why = match calibration.systematic {
         Some(true) => format!(
             "since the residuals are systematic, no value of {} removes that: the model or the bench has something else in it",
@@ -85,7 +104,8 @@ pub fn in_common(calibrations: &[&Calibration]) -> Option<String> {
     if calibrations.len() < 2 || !calibrations.iter().all(refuted) {
         return None;
     }
-    let (low, high) = unexplained().fold((f64::INFINITY, 0.0_f64), |(low, high), x| (low.min(x), high.max(x)));
+    let (low, high) =
+        unexplained().fold((f64::INFINITY, 0.0_f64), |(low, high), x| (low.min(x), high.max(x)));
     let systematic = calibrations.iter().all(|calibration| calibration.systematic == Some(true));
     let why = if systematic { ": the residuals are systematic, and not of reading" } else { "" };
     Some(format!(
@@ -114,7 +134,12 @@ const TAKES_PART: f64 = 0.2;
 const SHOWN: f64 = 0.1;
 
 /// Which combination the data cannot tell, theory (47).
-fn identifiability(problem: &Problem, statistics: &Statistics, at: &Evaluation, scale: &[f64]) -> Vec<String> {
+fn identifiability(
+    problem: &Problem,
+    statistics: &Statistics,
+    at: &Evaluation,
+    scale: &[f64],
+) -> Vec<String> {
     let count = problem.parameters.len();
     if count < 2 {
         return Vec::new();
@@ -129,8 +154,12 @@ fn identifiability(problem: &Problem, statistics: &Statistics, at: &Evaluation, 
         }
         let names: Vec<&str> = members.iter().map(|&j| problem.parameters[j].name.as_str()).collect();
         let told = match () {
-            () if statistics.is_singular(*value) => "cannot be told apart at all by these measurements".to_owned(),
-            () if correlation >= NOT => format!("cannot be told apart by these measurements: correlation {correlation:.3}"),
+            () if statistics.is_singular(*value) => {
+                "cannot be told apart at all by these measurements".to_owned()
+            }
+            () if correlation >= NOT => {
+                format!("cannot be told apart by these measurements: correlation {correlation:.3}")
+            }
             () => format!("can hardly be told apart by these measurements: correlation {correlation:.2}"),
         };
         let step = DVector::from_fn(count, |j, _| direction[j] / statistics.norms[j].max(f64::MIN_POSITIVE));
@@ -140,12 +169,18 @@ fn identifiability(problem: &Problem, statistics: &Statistics, at: &Evaluation, 
         let changes: Vec<String> = members
             .iter()
             .map(|&j| {
-                let text = problem.parameters[j].show(step[j] * scale[j], Some(0.05 * (step[j] * scale[j]).abs()));
-                format!("{} {}{text}", problem.parameters[j].name, if text.starts_with('-') { "" } else { "+" })
+                let text =
+                    problem.parameters[j].show(step[j] * scale[j], Some(0.05 * (step[j] * scale[j]).abs()));
+                format!(
+                    "{} {}{text}",
+                    problem.parameters[j].name,
+                    if text.starts_with('-') { "" } else { "+" }
+                )
             })
             .collect();
         let changes: Vec<&str> = changes.iter().map(String::as_str).collect();
-        let moved = (&at.jacobian * &step).rows(0, problem.coordinates()).norm() / (problem.coordinates() as f64).sqrt();
+        let moved = (&at.jacobian * &step).rows(0, problem.coordinates()).norm()
+            / (problem.coordinates() as f64).sqrt();
         sentences.push(format!(
             "{} {told}. Together {} move what was measured by only {moved:.2} standard errors (root mean square); measure what \
              separates them, or fix one, or give a prior.",
@@ -231,10 +266,14 @@ fn unphysical(problem: &Problem, estimate: &Estimate) -> Option<String> {
         });
     }
     match part {
-        Part::MountAngle | Part::BaseRotation { .. } | Part::HoleAngle { .. } if (value - before).abs() > SEEN => Some(format!(
-            "{name} = {shown} is farther from the stated {} than the eye would miss.",
-            parameter.show(*before, None)
-        )),
+        Part::MountAngle | Part::BaseRotation { .. } | Part::HoleAngle { .. }
+            if (value - before).abs() > SEEN =>
+        {
+            Some(format!(
+                "{name} = {shown} is farther from the stated {} than the eye would miss.",
+                parameter.show(*before, None)
+            ))
+        }
         Part::MassOffset { input } => {
             let masses = || problem.experiment.rows.iter().map(|row| row.inputs[*input]);
             let largest = masses().fold(0.0, f64::max);
@@ -331,7 +370,8 @@ fn constant_columns(problem: &Problem, calibration: &Calibration) -> Vec<String>
         for &axis in &point.axes {
             let range = |of: &dyn Fn(usize) -> f64| {
                 let values = (0..calibration.rows.len()).map(of);
-                let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+                let (low, high) =
+                    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
                 high - low
             };
             let observed = range(&|k| calibration.rows[k].before[i].observed[axis]);

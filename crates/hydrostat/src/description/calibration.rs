@@ -63,12 +63,19 @@ pub(super) fn read(experiment: &Experiment, table: &Table) -> Result<Wanted, Err
 type SetText = fn(&mut Parameter, &str) -> Result<(), Error>;
 
 /// The file's wishes with those of the flags in their place.
-pub(super) fn problem(experiment: Experiment, mut wanted: Wanted, flags: &CalibrationFlags) -> Result<Problem, Error> {
+pub(super) fn problem(
+    experiment: Experiment,
+    mut wanted: Wanted,
+    flags: &CalibrationFlags,
+) -> Result<Problem, Error> {
     if !flags.free.is_empty() {
         let names = flags.free.iter().flat_map(|text| text.split(',')).map(str::trim);
         let named = names.map(|name| {
             let same = wanted.parameters.iter().find(|parameter| parameter.name == name);
-            same.cloned().map_or_else(|| Parameter::named(&experiment, name).map_err(|error| error.within("--free")), Ok)
+            same.cloned().map_or_else(
+                || Parameter::named(&experiment, name).map_err(|error| error.within("--free")),
+                Ok,
+            )
         });
         wanted.parameters = named.collect::<Result<_, Error>>()?;
     }
@@ -77,7 +84,9 @@ pub(super) fn problem(experiment: Experiment, mut wanted: Wanted, flags: &Calibr
             "name what is: --free youngs_modulus,length, or free = [\"youngs_modulus\"] under [calibrate] in the experiment file",
         ));
     }
-    for (flag, texts, set) in [("--prior", &flags.prior, set_prior as SetText), ("--bounds", &flags.bounds, set_bounds)] {
+    for (flag, texts, set) in
+        [("--prior", &flags.prior, set_prior as SetText), ("--bounds", &flags.bounds, set_bounds)]
+    {
         for text in texts {
             let (name, value) = text.split_once('=').ok_or_else(|| {
                 Error::new(format!("found {flag} {}, expected NAME=VALUE", quoted(text)))
@@ -110,7 +119,10 @@ fn scalar(text: &str, kind: &Kind) -> Result<f64, Error> {
 fn set_prior(parameter: &mut Parameter, text: &str) -> Result<(), Error> {
     let kind = parameter.parts[0].kind();
     let (value, error) = text.split_once("+-").or_else(|| text.split_once('±')).ok_or_else(|| {
-        Error::new(format!("found {}, expected a value and its standard error, such as \"54 GPa +- 3 GPa\"", quoted(text)))
+        Error::new(format!(
+            "found {}, expected a value and its standard error, such as \"54 GPa +- 3 GPa\"",
+            quoted(text)
+        ))
     })?;
     let value = scalar(value, &kind)?;
     // a part of the value, or a quantity of its kind

@@ -1,7 +1,7 @@
 //! Reads an experiment file, the robot file and the table that it names.
 
-use super::calibration::{self, CalibrationFlags, Wanted};
 use super::Parsed;
+use super::calibration::{self, CalibrationFlags, Wanted};
 use super::data::{Column, Data};
 use super::load::read_arc_length;
 use super::quantity::{ANGLE, FORCE, FRACTION, Kind, LENGTH, MASS};
@@ -13,8 +13,19 @@ use crate::model::{Pose, Robot};
 use crate::verify::{Experiment, Input, Point, Published, Row, Varied};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-pub(super) const EXPERIMENT_KEYS: &[&str] =
-    &["name", "source", "robot", "data", "set", "bench", "vary", "measure", "published", "variant", "calibrate"];
+pub(super) const EXPERIMENT_KEYS: &[&str] = &[
+    "name",
+    "source",
+    "robot",
+    "data",
+    "set",
+    "bench",
+    "vary",
+    "measure",
+    "published",
+    "variant",
+    "calibrate",
+];
 pub(super) const BENCH_KEYS: &[&str] = &["origin", "x", "y", "mount_angle"];
 pub(super) const VARY_KEYS: &[&str] = &["quantity", "column", "at", "direction"];
 pub(super) const MEASURE_KEYS: &[&str] = &["at", "x", "y", "z", "reading_error"];

@@ -2,8 +2,8 @@
 
 use super::quantity::rounded;
 use super::{
-    calibration, experiment as e, load, materials, parse_command_table, parse_experiment, parse_robot, robot, section,
-    templates, tendon,
+    calibration, experiment as e, load, materials, parse_command_table, parse_experiment, parse_robot, robot,
+    section, templates, tendon,
 };
 use crate::Error;
 

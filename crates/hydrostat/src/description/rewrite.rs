@@ -1,7 +1,7 @@
 //! Puts calibrated values into the robot file that the user wrote: the rest of the text stays, comments and units too.
 
-use super::reader::{Source, Value as Read};
 use super::quantity::{self as quantities, LENGTH};
+use super::reader::{Source, Value as Read};
 use super::unit::Unit;
 use super::{parse_experiment, parse_robot};
 use crate::Error;
@@ -28,8 +28,9 @@ pub fn write_calibrated(
     let of = |key: &str| entries.iter().find(|entry| entry.name == key).map(|entry| &entry.node);
     let path = of("robot").ok_or_else(|| Error::new("the experiment names no robot"))?;
     let text = load(path.text("a robot file")?)?;
-    let mut document: DocumentMut =
-        text.parse().map_err(|error: toml_edit::TomlError| Error::new(format!("the robot file is not TOML: {}", error.message())))?;
+    let mut document: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| {
+        Error::new(format!("the robot file is not TOML: {}", error.message()))
+    })?;
 
     // what the experiment sets comes first, as in a run
     for entry in of("set").map_or(Ok(&[][..]), |set| set.entries("a table"))? {
@@ -37,7 +38,9 @@ pub fn write_calibrated(
             Read::Text(text) => Value::from(text.as_str()),
             Read::Number(number) => Value::from(*number),
             Read::List(items) => items.iter().filter_map(|item| item.number("a number").ok()).collect(),
-            Read::Other(_) | Read::Table(_) => return Err(entry.node.error("this value cannot be written into the robot file")),
+            Read::Other(_) | Read::Table(_) => {
+                return Err(entry.node.error("this value cannot be written into the robot file"));
+            }
         };
         put(&mut document, &entry.name, new)?;
     }
@@ -45,7 +48,15 @@ pub fn write_calibrated(
     let mounted = parse_experiment(experiment, file, load)?.value;
     for estimate in &calibration.parameters {
         for part in &estimate.parameter.parts {
-            write_part(&mut document, part, estimate, &stated, &mounted.robot, &mounted.axes, &calibration.robot)?;
+            write_part(
+                &mut document,
+                part,
+                estimate,
+                &stated,
+                &mounted.robot,
+                &mounted.axes,
+                &calibration.robot,
+            )?;
         }
     }
 
@@ -72,13 +83,19 @@ fn write_part(
 ) -> Result<(), Error> {
     let error = estimate.standard_error;
     let (unit, _) = part.display_unit();
-    let number = |document: &mut DocumentMut, path: String, value: f64| quantity(document, &path, value, error, unit);
+    let number =
+        |document: &mut DocumentMut, path: String, value: f64| quantity(document, &path, value, error, unit);
     let section = |i: usize| format!("section.{}", i + 1);
     let tendon = |i: usize| format!("tendon.{}", i + 1);
     match part {
         Part::YoungsModulus { material } | Part::ShearModulus { material } | Part::Density { material } => {
             let found = robot.sections.iter().map(|section| &section.material).find(|m| m.name == *material);
-            write_material(document, part, found.ok_or_else(|| Error::new("the robot lost a material"))?, error)
+            write_material(
+                document,
+                part,
+                found.ok_or_else(|| Error::new("the robot lost a material"))?,
+                error,
+            )
         }
         Part::Length { section: i } => {
             number(document, format!("{}.length", section(*i)), robot.sections[*i].length)?;
@@ -94,9 +111,12 @@ fn write_part(
             }
             Ok(())
         }
-        Part::RestCurvature { section: i, .. } => {
-            vector(document, &format!("{}.rest_curvature", section(*i)), &robot.sections[*i].rest_curvature, "1/m")
-        }
+        Part::RestCurvature { section: i, .. } => vector(
+            document,
+            &format!("{}.rest_curvature", section(*i)),
+            &robot.sections[*i].rest_curvature,
+            "1/m",
+        ),
         Part::HoleRadius { tendon: i } => {
             number(document, format!("{}.radius", tendon(*i)), robot.tendons[*i].path.radius)?;
             let tip = format!("{}.tip_radius", tendon(*i));
@@ -105,9 +125,15 @@ fn write_part(
             }
             Ok(())
         }
-        Part::HoleAngle { tendon: i } => number(document, format!("{}.angle", tendon(*i)), robot.tendons[*i].path.angle),
-        Part::Stiffness { tendon: i } => number(document, format!("{}.stiffness", tendon(*i)), estimate.value),
-        Part::Friction { tendon: i } => put(document, &format!("{}.friction", tendon(*i)), plain(estimate.value)),
+        Part::HoleAngle { tendon: i } => {
+            number(document, format!("{}.angle", tendon(*i)), robot.tendons[*i].path.angle)
+        }
+        Part::Stiffness { tendon: i } => {
+            number(document, format!("{}.stiffness", tendon(*i)), estimate.value)
+        }
+        Part::Friction { tendon: i } => {
+            put(document, &format!("{}.friction", tendon(*i)), plain(estimate.value))
+        }
         Part::BasePosition { .. } | Part::BaseRotation { .. } => {
             // without the mount angle of [bench], which stays in the experiment
             let turn = mounted.base.rotation * stated.base.rotation.inverse();
@@ -135,7 +161,12 @@ fn dimension(shape: &CrossSection, which: Dimension) -> f64 {
 }
 
 /// A built-in material becomes one of the file; Poisson's ratio follows G, and a given G follows E.
-fn write_material(document: &mut DocumentMut, part: &Part, material: &Material, error: Option<f64>) -> Result<(), Error> {
+fn write_material(
+    document: &mut DocumentMut,
+    part: &Part,
+    material: &Material,
+    error: Option<f64>,
+) -> Result<(), Error> {
     let path = |key: &str| format!("material.{}.{key}", material.name);
     if get(document, &format!("material.{}", material.name)).is_none() {
         let materials = document.entry("material").or_insert_with(|| {
@@ -143,7 +174,9 @@ fn write_material(document: &mut DocumentMut, part: &Part, material: &Material, 
             table.set_implicit(true);
             Item::Table(table)
         });
-        let materials = materials.as_table_mut().ok_or_else(|| Error::new("\"material\" in the robot file is not a table"))?;
+        let materials = materials
+            .as_table_mut()
+            .ok_or_else(|| Error::new("\"material\" in the robot file is not a table"))?;
         materials.insert(&material.name, Item::Table(Table::new()));
         quantity(document, &path("youngs_modulus"), material.youngs_modulus, None, "GPa")?;
         quantity(document, &path("shear_modulus"), material.shear_modulus, None, "GPa")?;
@@ -154,8 +187,12 @@ fn write_material(document: &mut DocumentMut, part: &Part, material: &Material, 
     }
     let ratio = material.youngs_modulus / (2.0 * material.shear_modulus) - 1.0;
     match part {
-        Part::Density { .. } => return quantity(document, &path("density"), material.density, error, "g/cm^3"),
-        Part::YoungsModulus { .. } => quantity(document, &path("youngs_modulus"), material.youngs_modulus, error, "GPa")?,
+        Part::Density { .. } => {
+            return quantity(document, &path("density"), material.density, error, "g/cm^3");
+        }
+        Part::YoungsModulus { .. } => {
+            quantity(document, &path("youngs_modulus"), material.youngs_modulus, error, "GPa")?
+        }
         _ => {}
     }
     if get(document, &path("shear_modulus")).is_some() {
@@ -174,7 +211,12 @@ fn write_material(document: &mut DocumentMut, part: &Part, material: &Material, 
 }
 
 /// Guides keep their places in proportion to the section's length.
-fn write_guides(document: &mut DocumentMut, section: &str, stated: &Section, found: &Section) -> Result<(), Error> {
+fn write_guides(
+    document: &mut DocumentMut,
+    section: &str,
+    stated: &Section,
+    found: &Section,
+) -> Result<(), Error> {
     let growth = found.length / stated.length;
     let spacing = format!("{section}.guides.spacing");
     if let Some(old) = get(document, &spacing).and_then(|item| item.as_str().map(str::to_owned)) {
@@ -183,17 +225,27 @@ fn write_guides(document: &mut DocumentMut, section: &str, stated: &Section, fou
     }
     let positions = format!("{section}.guides.positions");
     if let (Some(_), Some(guides)) = (get(document, &positions), &found.guides) {
-        let list: Vec<String> = guides.positions.iter().map(|position| format!("{}", rounded(1e3 * position, 1e-6))).collect();
+        let list: Vec<String> =
+            guides.positions.iter().map(|position| format!("{}", rounded(1e3 * position, 1e-6))).collect();
         return put(document, &positions, Value::from(format!("[{}] mm", list.join(", "))));
     }
     Ok(())
 }
 
 /// A value in the unit that the user has written there, with digits far below its standard error.
-fn quantity(document: &mut DocumentMut, path: &str, si: f64, error: Option<f64>, otherwise: &str) -> Result<(), Error> {
+fn quantity(
+    document: &mut DocumentMut,
+    path: &str,
+    si: f64,
+    error: Option<f64>,
+    otherwise: &str,
+) -> Result<(), Error> {
     let written = get(document, path).and_then(|item| item.as_str()).map(str::to_owned);
     let unit = written.as_deref().map(|text| {
-        text.trim().trim_start_matches(|c: char| c.is_ascii_digit() || "+-.".contains(c)).trim_start().to_owned()
+        text.trim()
+            .trim_start_matches(|c: char| c.is_ascii_digit() || "+-.".contains(c))
+            .trim_start()
+            .to_owned()
     });
     // an exponent stands before the unit and would be taken for one
     let unit = unit.filter(|unit| Unit::parse(unit).is_ok()).unwrap_or_else(|| otherwise.to_owned());
@@ -207,10 +259,12 @@ fn quantity(document: &mut DocumentMut, path: &str, si: f64, error: Option<f64>,
 
 fn vector(document: &mut DocumentMut, path: &str, si: &Vector3<f64>, otherwise: &str) -> Result<(), Error> {
     let written = get(document, path).and_then(|item| item.as_str()).map(str::to_owned);
-    let unit = written.as_deref().and_then(|text| text.split_once(']')).map(|(_, unit)| unit.trim().to_owned());
+    let unit =
+        written.as_deref().and_then(|text| text.split_once(']')).map(|(_, unit)| unit.trim().to_owned());
     let unit = unit.unwrap_or_else(|| otherwise.to_owned());
     let size = Unit::parse(&unit)?.size();
-    let list: Vec<String> = si.iter().map(|x| format!("{}", rounded(x / size, 1e-9 * (1.0 / size).max(1.0)))).collect();
+    let list: Vec<String> =
+        si.iter().map(|x| format!("{}", rounded(x / size, 1e-9 * (1.0 / size).max(1.0)))).collect();
     put(document, path, Value::from(format!("[{}] {unit}", list.join(", "))))
 }
 

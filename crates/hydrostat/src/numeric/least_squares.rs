@@ -103,7 +103,9 @@ pub fn minimize(
         let (normal, gradient) = loss.normal_equations(&at);
         scale.zip_apply(&normal.diagonal(), |scale, n| *scale = scale.max(n));
         let held: Vec<bool> = (0..x.len())
-            .map(|i| (x[i] <= bounds[i][0] && gradient[i] > 0.0) || (x[i] >= bounds[i][1] && gradient[i] < 0.0))
+            .map(|i| {
+                (x[i] <= bounds[i][0] && gradient[i] > 0.0) || (x[i] >= bounds[i][1] && gradient[i] < 0.0)
+            })
             .collect();
         // the longest step that goes down as promised
         loop {
@@ -229,8 +231,8 @@ mod tests {
     #[test]
     fn rat43() {
         let y = [
-            16.08, 33.83, 65.80, 97.20, 191.55, 326.20, 386.87, 520.53, 590.03, 651.92, 724.93, 699.56, 689.96,
-            637.56, 717.41,
+            16.08, 33.83, 65.80, 97.20, 191.55, 326.20, 386.87, 520.53, 590.03, 651.92, 724.93, 699.56,
+            689.96, 637.56, 717.41,
         ];
         let data: Vec<(f64, f64)> = y.iter().enumerate().map(|(i, &y)| (y, i as f64 + 1.0)).collect();
         let model: Model = |b, x| {

@@ -14,7 +14,8 @@ pub(super) fn verdict(
     verdict.extend(largest_error(experiment, rows));
     let inputs: Vec<&[f64]> = rows.iter().map(|row| row.inputs.as_slice()).collect();
     let points: Vec<&[PointError]> = rows.iter().map(|row| row.points.as_slice()).collect();
-    let judged: Vec<String> = systematic(experiment, &inputs, &points).into_iter().map(|found| found.sentence).collect();
+    let judged: Vec<String> =
+        systematic(experiment, &inputs, &points).into_iter().map(|found| found.sentence).collect();
     if judged.is_empty() {
         verdict.push(format!(
             "Whether the residual is systematic was not tested: that takes {FEWEST_FOR_RUNS} rows in which one input \
@@ -90,11 +91,22 @@ pub(crate) struct Systematic {
 
 /// Runs test of the residual along the way the last point moves, for every input that can be judged; `inputs` and `points` row
 /// by row.
-pub(crate) fn systematic(experiment: &Experiment, inputs: &[&[f64]], points: &[&[PointError]]) -> Vec<Systematic> {
-    (0..experiment.inputs.len()).filter_map(|input| systematic_with(experiment, inputs, points, input)).collect()
+pub(crate) fn systematic(
+    experiment: &Experiment,
+    inputs: &[&[f64]],
+    points: &[&[PointError]],
+) -> Vec<Systematic> {
+    (0..experiment.inputs.len())
+        .filter_map(|input| systematic_with(experiment, inputs, points, input))
+        .collect()
 }
 
-fn systematic_with(experiment: &Experiment, inputs: &[&[f64]], points: &[&[PointError]], input: usize) -> Option<Systematic> {
+fn systematic_with(
+    experiment: &Experiment,
+    inputs: &[&[f64]],
+    points: &[&[PointError]],
+    input: usize,
+) -> Option<Systematic> {
     let point = experiment.points.len().checked_sub(1)?;
     let mut order: Vec<usize> = (0..inputs.len()).collect();
     order.sort_by(|&a, &b| inputs[a][input].total_cmp(&inputs[b][input]));
