@@ -177,7 +177,7 @@ impl Statistics {
         let mut all = Vec::new();
         for (number, row) in experiment.rows.iter().enumerate() {
             let jacobian = at.jacobian.rows(number * per_row, per_row);
-            let hat = &jacobian * &self.inverse * jacobian.transpose();
+            let hat = jacobian * &self.inverse * jacobian.transpose();
             let rest = (DMatrix::identity(per_row, per_row) - hat).cholesky()?;
             // the row alone determines something
             if rest.l_dirty().diagonal().iter().any(|pivot| *pivot < 1e-4) {

@@ -113,7 +113,6 @@ pub fn minimize(
             let trial = clamped(&(&x + step));
             let step = &trial - &x;
             let promised = -(2.0 * gradient.dot(&step) + step.dot(&(&normal * &step)));
-            // NaN ends here, too, and is no minimum
             if promised <= settings.tolerance * cost + settings.negligible {
                 return Ok(Minimum { x, at, held, steps });
             }
@@ -127,7 +126,7 @@ pub fn minimize(
             }
             damping *= growth;
             growth *= 2.0;
-            if !(damping < MOST_DAMPING) {
+            if damping >= MOST_DAMPING {
                 if promised <= STALLED * cost {
                     return Ok(Minimum { x, at, held, steps });
                 }
