@@ -1,6 +1,7 @@
 //! The JSON of docs/format.md: SI, the unit in the key.
 
 use crate::files;
+use hydrostat::calibrate::{Calibration, Problem};
 use hydrostat::model::Pose;
 use hydrostat::solution::{Check, Method, Station, TendonState};
 use hydrostat::verify::{Experiment, Summary, Varied, Verification};
@@ -84,6 +85,53 @@ pub(crate) fn verification(experiment: &Experiment, verification: &Verification)
     all.insert("findings".into(), json!(verification.findings));
     all.insert("verdict".into(), json!(verification.verdict.join(" ")));
     Value::Object(all)
+}
+
+/// `calibrate --json`; calibrations after the first stand under `further`.
+pub(crate) fn calibrations(done: &[(Problem, Calibration)]) -> Value {
+    let mut all =
+        done.iter().map(|(problem, calibration)| Value::Object(of_calibration(problem, calibration)));
+    let mut first = all.next().unwrap_or(Value::Null);
+    let further: Vec<Value> = all.collect();
+    if !further.is_empty() {
+        first["further"] = Value::Array(further);
+    }
+    first
+}
+
+fn of_calibration(problem: &Problem, calibration: &Calibration) -> Map<String, Value> {
+    let parameters = calibration.parameters.iter().map(|estimate| {
+        json!({
+            "name": estimate.parameter.name,
+            "value": estimate.value,
+            "unit": estimate.parameter.unit(),
+            "standard_error": estimate.standard_error,
+            "interval_95": estimate.interval_95,
+            "before": estimate.before,
+            "paths": estimate.parameter.paths(&problem.experiment),
+        })
+    });
+    let correlation = calibration.correlation.row_iter().map(|row| json!(row.iter().collect::<Vec<_>>()));
+    let mut all = Map::new();
+    all.insert("experiment".into(), json!(problem.experiment.name));
+    all.insert("parameters".into(), parameters.collect());
+    all.insert("correlation".into(), correlation.collect());
+    all.extend(summary(&calibration.after));
+    all.insert("before".into(), Value::Object(summary(&calibration.before)));
+    all.insert("chi_square".into(), json!(calibration.chi_square));
+    all.insert("degrees_of_freedom".into(), json!(calibration.degrees_of_freedom));
+    all.insert("chi_square_chance".into(), json!(calibration.chance));
+    all.insert("error_scale".into(), json!(calibration.error_scale));
+    all.insert("unexplained_m".into(), json!(calibration.unexplained));
+    all.insert("systematic".into(), json!(calibration.systematic));
+    all.insert(
+        "left_out".into(),
+        calibration.left_out.as_ref().map_or(Value::Null, |errors| Value::Object(summary(errors))),
+    );
+    all.insert("holdout".into(), Value::Null);
+    all.insert("verdict".into(), json!(calibration.verdict));
+    all.insert("warnings".into(), json!(calibration.warnings));
+    all
 }
 
 /// The solver's name as in `--method`.

@@ -6,6 +6,7 @@
 #![allow(clippy::print_stderr, reason = "the binary prints")]
 
 mod batch;
+mod calibrate;
 mod comparison;
 mod derivatives;
 mod files;
@@ -41,6 +42,8 @@ enum Command {
     Solve(solve::Args),
     /// Hold the model against a measured bench
     Verify(verify::Args),
+    /// Fit parameters to a measured bench, and say how sure they are
+    Calibrate(calibrate::Args),
     /// Hold the solver against published and exact solutions
     Validate(validate::Args),
     /// Write commented starter files into the current folder
@@ -76,6 +79,7 @@ fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Solve(args) => solve::run(&args),
         Command::Verify(args) => verify::run(&args),
+        Command::Calibrate(args) => calibrate::run(&args),
         Command::Validate(args) => validate::run(&args),
         Command::New(args) => new::run(&args),
     };

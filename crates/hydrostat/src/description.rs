@@ -1,6 +1,7 @@
 //! Text in, a robot or an experiment out. The format is `docs/format.md`.
 
 pub mod builtin;
+mod calibration;
 mod commands;
 mod data;
 mod experiment;
@@ -8,6 +9,7 @@ mod load;
 pub mod materials;
 pub mod quantity;
 mod reader;
+mod rewrite;
 mod robot;
 mod section;
 pub mod templates;
@@ -17,8 +19,10 @@ pub mod unit;
 #[cfg(test)]
 mod format_test;
 
+pub use calibration::CalibrationFlags;
 pub use commands::parse_command_table;
-pub use experiment::parse_experiment;
+pub use experiment::{parse_calibration, parse_experiment};
+pub use rewrite::write_calibrated;
 pub use robot::parse_robot;
 pub use tendon::parse_commands;
 

@@ -38,6 +38,7 @@ pub mod statics;
 
 // what the shape is used for
 pub mod batch;
+pub mod calibrate;
 pub mod validate;
 pub mod verify;
 

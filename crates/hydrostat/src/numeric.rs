@@ -3,6 +3,7 @@
 pub mod anderson;
 pub mod blocks;
 pub mod collocation;
+pub mod least_squares;
 pub mod nonnegative;
 
 /// The explicit Runge-Kutta method of order 8 in 12 stages of Dormand and Prince, as in DOP853

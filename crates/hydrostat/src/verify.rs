@@ -197,6 +197,8 @@ pub fn verify(experiment: &Experiment, settings: &Settings) -> Result<Verificati
     })
 }
 
+pub(crate) use verdict::{Systematic, systematic};
+
 /// A point cannot be farther from the base than the backbone is long up to it; twice that is beyond any stretch or error
 /// of reading.
 const FARTHEST: f64 = 2.0;
@@ -206,7 +208,7 @@ const SHAPE_POINTS: usize = 101;
 
 impl Experiment {
     /// Wrong units and slips of the pen are not measurements.
-    fn refuse_impossible_readings(&self) -> Result<(), Error> {
+    pub(crate) fn refuse_impossible_readings(&self) -> Result<(), Error> {
         let base = self.to_bench(&self.robot.base.position);
         for (number, row) in self.rows.iter().enumerate() {
             for (point, observed) in self.points.iter().zip(&row.observed) {
@@ -286,12 +288,12 @@ impl Experiment {
     }
 
     /// A place on `robot`: the tip of the experiment's robot is the tip of every variant, whatever its length.
-    fn place(&self, at: f64, robot: &Robot) -> f64 {
+    pub(crate) fn place(&self, at: f64, robot: &Robot) -> f64 {
         let tip = self.robot.length();
         if (at - tip).abs() <= 1e-9 * tip { robot.length() } else { at }
     }
 
-    fn to_bench(&self, position: &Vector3<f64>) -> Vector3<f64> {
+    pub(crate) fn to_bench(&self, position: &Vector3<f64>) -> Vector3<f64> {
         self.axes.rotation.inverse() * (position - self.axes.position)
     }
 
@@ -302,7 +304,7 @@ impl Experiment {
     }
 
     /// Compares a row with positions in the bench's axes.
-    fn differences(&self, row: &Row, predicted: &[Vector3<f64>]) -> Vec<PointError> {
+    pub(crate) fn differences(&self, row: &Row, predicted: &[Vector3<f64>]) -> Vec<PointError> {
         let points = self.points.iter().zip(predicted).zip(&row.observed);
         points
             .map(|((point, predicted), observed)| {
@@ -315,7 +317,7 @@ impl Experiment {
             .collect()
     }
 
-    fn summary(&self, length: f64, errors: impl Iterator<Item = PointError>) -> Summary {
+    pub(crate) fn summary(&self, length: f64, errors: impl Iterator<Item = PointError>) -> Summary {
         let (mut count, mut coordinates) = (0.0, 0.0);
         let (mut sum, mut squares, mut max, mut weighted) = (0.0, 0.0, 0.0_f64, 0.0);
         for (error, point) in errors.zip(self.points.iter().cycle()) {

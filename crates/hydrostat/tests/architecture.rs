@@ -20,9 +20,15 @@ const MATHEMATICS: usize = 3;
 const EVERYWHERE: &str = "error";
 
 /// Imports against the rules, each with its reason.
-const EXCEPTIONS: [(&str, &str, &str); 2] = [
+const EXCEPTIONS: [(&str, &str, &str); 4] = [
     ("description", "verify", "an experiment file describes a bench"),
     ("description", "batch", "a table of commands describes a batch"),
+    ("description", "calibrate", "an experiment file says what is free"),
+    (
+        "calibrate",
+        "verify",
+        "a calibration fits the bench that verify compares with, and judges by the same test",
+    ),
 ];
 
 /// What would make the core depend on the machine it runs on.

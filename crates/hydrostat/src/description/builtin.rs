@@ -1,6 +1,7 @@
 //! The files that the program carries: the rod and the bench of Gray 2009.
 
-use super::{Parsed, parse_experiment, parse_robot};
+use super::{CalibrationFlags, Parsed, parse_calibration, parse_experiment, parse_robot};
+use crate::calibrate::{Calibration, Problem};
 use crate::verify::Experiment;
 use crate::{Error, Robot};
 
@@ -22,9 +23,22 @@ pub fn experiment() -> Result<Parsed<Experiment>, Error> {
     parse_experiment(EXPERIMENT, "experiments/gray2009/stated.toml", &mut load)
 }
 
+/// What `calibrate` frees of that table, one after the other, where nothing is named.
+pub const FREED: [&str; 2] = ["youngs_modulus", "youngs_modulus,length"];
+
+/// Table 2 of Gray 2009 with what is free.
+pub fn calibration(flags: &CalibrationFlags) -> Result<Parsed<Problem>, Error> {
+    parse_calibration(EXPERIMENT, "experiments/gray2009/stated.toml", &mut load, flags)
+}
+
 /// The same with the weight that the thesis's own prediction was made with.
 pub fn fitted_experiment() -> Result<Parsed<Experiment>, Error> {
     parse_experiment(FITTED_EXPERIMENT, "experiments/gray2009/fitted_weight.toml", &mut load)
+}
+
+/// The text of the rod's file with the values of a calibration.
+pub fn write_calibrated(calibration: &Calibration, note: &[String]) -> Result<String, Error> {
+    super::write_calibrated(EXPERIMENT, "experiments/gray2009/stated.toml", &mut load, calibration, note)
 }
 
 /// Fetches a carried file by the path that the carried experiments give it.

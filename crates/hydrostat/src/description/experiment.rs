@@ -1,18 +1,31 @@
 //! Reads an experiment file, the robot file and the table that it names.
 
 use super::Parsed;
+use super::calibration::{self, CalibrationFlags, Wanted};
 use super::data::{Column, Data};
 use super::load::read_arc_length;
 use super::quantity::{ANGLE, FORCE, FRACTION, Kind, LENGTH, MASS};
 use super::reader::{Entry, Node, Source, Table};
 use super::robot::{self, perpendicular};
 use crate::Error;
+use crate::calibrate::Problem;
 use crate::model::{Pose, Robot};
 use crate::verify::{Experiment, Input, Point, Published, Row, Varied};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-pub(super) const EXPERIMENT_KEYS: &[&str] =
-    &["name", "source", "robot", "data", "set", "bench", "vary", "measure", "published", "variant"];
+pub(super) const EXPERIMENT_KEYS: &[&str] = &[
+    "name",
+    "source",
+    "robot",
+    "data",
+    "set",
+    "bench",
+    "vary",
+    "measure",
+    "published",
+    "variant",
+    "calibrate",
+];
 pub(super) const BENCH_KEYS: &[&str] = &["origin", "x", "y", "mount_angle"];
 pub(super) const VARY_KEYS: &[&str] = &["quantity", "column", "at", "direction"];
 pub(super) const MEASURE_KEYS: &[&str] = &["at", "x", "y", "z", "reading_error"];
@@ -27,6 +40,26 @@ pub fn parse_experiment(
     file: &str,
     load: &mut dyn FnMut(&str) -> Result<String, Error>,
 ) -> Result<Parsed<Experiment>, Error> {
+    let Parsed { value: (experiment, _), warnings } = read(text, file, load)?;
+    Ok(Parsed { value: experiment, warnings })
+}
+
+/// The same with what is to be calibrated, by its table `[calibrate]` and by flags.
+pub fn parse_calibration(
+    text: &str,
+    file: &str,
+    load: &mut dyn FnMut(&str) -> Result<String, Error>,
+    flags: &CalibrationFlags,
+) -> Result<Parsed<Problem>, Error> {
+    let Parsed { value: (experiment, wanted), warnings } = read(text, file, load)?;
+    Ok(Parsed { value: calibration::problem(experiment, wanted, flags)?, warnings })
+}
+
+fn read(
+    text: &str,
+    file: &str,
+    load: &mut dyn FnMut(&str) -> Result<String, Error>,
+) -> Result<Parsed<(Experiment, Wanted)>, Error> {
     let source = Source::new(file, text);
     let root = source.parse()?;
     let table = root.table(EXPERIMENT_KEYS)?;
@@ -64,7 +97,8 @@ pub fn parse_experiment(
         published,
         variants,
     };
-    Ok(Parsed { value: experiment, warnings })
+    let wanted = calibration::read(&experiment, &table)?;
+    Ok(Parsed { value: (experiment, wanted), warnings })
 }
 
 /// A file that the experiment file names.

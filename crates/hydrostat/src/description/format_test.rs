@@ -2,8 +2,8 @@
 
 use super::quantity::rounded;
 use super::{
-    experiment as e, load, materials, parse_command_table, parse_experiment, parse_robot, robot, section,
-    templates, tendon,
+    calibration, experiment as e, load, materials, parse_command_table, parse_experiment, parse_robot, robot,
+    section, templates, tendon,
 };
 use crate::Error;
 
@@ -25,6 +25,7 @@ const TABLES: &[(&str, &[&str])] = &[
     ("measure", e::MEASURE_KEYS),
     ("published", e::PUBLISHED_KEYS),
     ("variant", e::VARIANT_KEYS),
+    ("calibrate", calibration::CALIBRATE_KEYS),
 ];
 
 /// First cells, without backticks, of the table that has this header.

@@ -1,6 +1,6 @@
 //! The verdict in words, from the numbers of the table.
 
-use super::{Experiment, Summary, VerifiedRow};
+use super::{Experiment, PointError, Summary, VerifiedRow};
 
 /// Is the model within the reading error, is the residual systematic, what does the simpler model say.
 pub(super) fn verdict(
@@ -12,8 +12,10 @@ pub(super) fn verdict(
     let mut verdict = failed_checks(experiment, rows);
     verdict.push(within_reading_error(experiment, rows, model));
     verdict.extend(largest_error(experiment, rows));
+    let inputs: Vec<&[f64]> = rows.iter().map(|row| row.inputs.as_slice()).collect();
+    let points: Vec<&[PointError]> = rows.iter().map(|row| row.points.as_slice()).collect();
     let judged: Vec<String> =
-        (0..experiment.inputs.len()).filter_map(|input| systematic(experiment, rows, input)).collect();
+        systematic(experiment, &inputs, &points).into_iter().map(|found| found.sentence).collect();
     if judged.is_empty() {
         verdict.push(format!(
             "Whether the residual is systematic was not tested: that takes {FEWEST_FOR_RUNS} rows in which one input \
@@ -81,25 +83,47 @@ fn within_reading_error(experiment: &Experiment, rows: &[VerifiedRow], model: &S
     }
 }
 
-/// Runs test of the residual along the way the last point moves with an input.
-fn systematic(experiment: &Experiment, rows: &[VerifiedRow], input: usize) -> Option<String> {
+/// What the runs test says of one input.
+pub(crate) struct Systematic {
+    pub(crate) is: bool,
+    pub(crate) sentence: String,
+}
+
+/// Runs test of the residual along the way the last point moves, for every input that can be judged; `inputs` and `points` row
+/// by row.
+pub(crate) fn systematic(
+    experiment: &Experiment,
+    inputs: &[&[f64]],
+    points: &[&[PointError]],
+) -> Vec<Systematic> {
+    (0..experiment.inputs.len())
+        .filter_map(|input| systematic_with(experiment, inputs, points, input))
+        .collect()
+}
+
+fn systematic_with(
+    experiment: &Experiment,
+    inputs: &[&[f64]],
+    points: &[&[PointError]],
+    input: usize,
+) -> Option<Systematic> {
     let point = experiment.points.len().checked_sub(1)?;
-    let mut order: Vec<usize> = (0..rows.len()).collect();
-    order.sort_by(|&a, &b| rows[a].inputs[input].total_cmp(&rows[b].inputs[input]));
-    let value = |k: usize| rows[order[k]].inputs[input];
+    let mut order: Vec<usize> = (0..inputs.len()).collect();
+    order.sort_by(|&a, &b| inputs[a][input].total_cmp(&inputs[b][input]));
+    let value = |k: usize| inputs[order[k]][input];
     let distinct = (1..order.len()).filter(|&k| value(k) > value(k - 1)).count() + 1;
     // other inputs that vary would show as runs of their own
     let alone = (0..experiment.inputs.len())
-        .all(|other| other == input || rows.iter().all(|row| same(row.inputs[other], rows[0].inputs[other])));
+        .all(|other| other == input || inputs.iter().all(|row| same(row[other], inputs[0][other])));
     if distinct < FEWEST_FOR_RUNS || !alone {
         return None;
     }
     // residual along the motion of the predicted point: positive where the bench moved farther than the model
     let residual: Vec<f64> = (0..order.len())
         .map(|k| {
-            let at = |k: usize| rows[order[k]].points[point].predicted;
+            let at = |k: usize| points[order[k]][point].predicted;
             let motion = at((k + 1).min(order.len() - 1)) - at(k.saturating_sub(1));
-            let off = rows[order[k]].points[point].observed - at(k);
+            let off = points[order[k]][point].observed - at(k);
             off.dot(&motion.try_normalize(0.0).unwrap_or_default())
         })
         .collect();
@@ -110,11 +134,12 @@ fn systematic(experiment: &Experiment, rows: &[VerifiedRow], input: usize) -> Op
     let column = &experiment.inputs[input].column;
     let of = if experiment.points.len() > 1 { "last point" } else { "point" };
     if chance >= 0.05 {
-        return Some(format!(
+        let sentence = format!(
             "The residual is not shown to be systematic with {column}: {runs} runs of sign over {} rows \
              (chance {chance:.2}).",
             farther.len()
-        ));
+        );
+        return Some(Systematic { is: false, sentence });
     }
     let mut stretches: Vec<String> = Vec::new();
     for run in split_runs(&farther) {
@@ -125,14 +150,15 @@ fn systematic(experiment: &Experiment, rows: &[VerifiedRow], input: usize) -> Op
         let way = if farther[from] { "farther" } else { "less" };
         stretches.push(format!("{way} at {range} {}", unit.0));
     }
-    Some(format!(
+    let sentence = format!(
         "The residual is systematic with {column}: the {of} moved {} than predicted ({runs} runs of sign over {} rows; \
          chance alone gives so few in {:.1} % of cases). No change of reading would remove that; look for what the model \
          lacks.",
         stretches.join(", "),
         farther.len(),
         100.0 * chance
-    ))
+    );
+    Some(Systematic { is: true, sentence })
 }
 
 /// With fewer rows no number of runs is improbable.

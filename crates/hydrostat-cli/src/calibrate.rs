@@ -1,0 +1,272 @@
+//! `hydrostat calibrate`: parameters fitted to a measured bench, and how sure they are.
+
+use crate::text::{MM, aligned};
+use crate::{End, Outcome, files, json, warn};
+use hydrostat::Error;
+use hydrostat::calibrate::{Calibration, Loss, Problem, calibrate};
+use hydrostat::description::{self, CalibrationFlags, Parsed, builtin};
+use hydrostat::statics::Settings;
+use hydrostat::verify::{PointError, Summary};
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// Experiment file [default: the built-in bench of Gray 2009, E alone and then E and length]
+    experiment: Option<PathBuf>,
+    /// What may change, such as youngs_modulus,length; a+b gives several parts one value, * stands for every name
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    free: Vec<String>,
+    /// What is known beforehand, such as "youngs_modulus=54 GPa +- 3 GPa"
+    #[arg(long, value_name = "NAME=VALUE")]
+    prior: Vec<String>,
+    /// Between which values to stay, such as "length=380 mm to 400 mm"
+    #[arg(long, value_name = "NAME=RANGE")]
+    bounds: Vec<String>,
+    /// How residuals count [default: squares]
+    #[arg(long, value_enum)]
+    loss: Option<LossName>,
+    /// Print everything as JSON
+    #[arg(long)]
+    json: bool,
+    /// Save the calibrated robot, with the comments and units of its file
+    #[arg(long, value_name = "ROBOT.toml")]
+    write: Option<PathBuf>,
+    /// Let --write replace a file
+    #[arg(long, requires = "write")]
+    force: bool,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum LossName {
+    Squares,
+    /// Outliers pull less
+    Huber,
+}
+
+pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
+    let loss = args.loss.map(|loss| match loss {
+        LossName::Squares => Loss::Squares,
+        LossName::Huber => Loss::Huber,
+    });
+    let flags = |free: &[String]| CalibrationFlags {
+        free: free.to_vec(),
+        prior: args.prior.clone(),
+        bounds: args.bounds.clone(),
+        loss,
+    };
+    if let Some(path) = args.write.as_deref().filter(|path| path.exists() && !args.force) {
+        return Err(Error::new(format!("{} exists already and is left as it is", path.display()))
+            .hint("choose another name, or replace it with --force"));
+    }
+    let mut freed = vec![args.free.clone()];
+    if args.experiment.is_none() && args.free.is_empty() {
+        if args.write.is_some() {
+            return Err(Error::new("--write saves one calibration, and without --free there are two")
+                .hint("name what is free, such as --free youngs_modulus"));
+        }
+        freed = builtin::FREED.iter().map(|free| vec![(*free).to_owned()]).collect();
+    }
+    let mut done = Vec::new();
+    for free in &freed {
+        let parsed = read(args.experiment.as_deref(), &flags(free))?;
+        if done.is_empty() {
+            warn(&parsed.warnings);
+        }
+        let calibration = calibrate(&parsed.value, &Settings::default())?;
+        done.push((parsed.value, calibration));
+    }
+    if let (Some(path), [(problem, calibration)]) = (&args.write, &done[..]) {
+        let text = calibrated_robot(args.experiment.as_deref(), problem, calibration)?;
+        files::write(path, text.as_bytes())?;
+    }
+    let stdout = if args.json {
+        format!("{}\n", json::calibrations(&done))
+    } else {
+        text(&done, args.write.as_deref())
+    };
+    Ok(Outcome { stdout, end: End::Passed })
+}
+
+/// Reads an experiment and what it names, relative to its own folder.
+fn read(path: Option<&Path>, flags: &CalibrationFlags) -> Result<Parsed<Problem>, Error> {
+    let Some(path) = path else {
+        return builtin::calibration(flags);
+    };
+    let text = files::read_text(path)?;
+    description::parse_calibration(&text, &path.to_string_lossy(), &mut linked(path), flags)
+}
+
+fn linked(experiment: &Path) -> impl FnMut(&str) -> Result<String, Error> {
+    let folder = experiment.parent().unwrap_or(Path::new("")).to_owned();
+    move |file| files::read_text(&folder.join(file))
+}
+
+/// The robot file with the values found, and above it where they come from.
+fn calibrated_robot(
+    path: Option<&Path>,
+    problem: &Problem,
+    calibration: &Calibration,
+) -> Result<String, Error> {
+    let experiment = &problem.experiment;
+    let mut note = vec![
+        format!("Calibrated by hydrostat {} on {}", env!("CARGO_PKG_VERSION"), experiment.name),
+        match path {
+            Some(path) => format!("({}).", path.display()),
+            None => "(the built-in bench of Gray 2009).".to_owned(),
+        },
+    ];
+    note.extend(experiment.source.iter().map(|source| format!("Source: {source}")));
+    for line in parameters(calibration).iter().skip(1) {
+        note.push(format!("  {}", line.join("  ")));
+    }
+    note.push(format!(
+        "Mean error {:.2} mm, before {:.2} mm.",
+        calibration.after.mean * MM,
+        calibration.before.mean * MM
+    ));
+    note.extend(calibration.warnings.iter().map(|warning| format!("Warning: {warning}")));
+    match path {
+        Some(path) => {
+            let text = files::read_text(path)?;
+            description::write_calibrated(
+                &text,
+                &path.to_string_lossy(),
+                &mut linked(path),
+                calibration,
+                &note,
+            )
+        }
+        None => builtin::write_calibrated(calibration, &note),
+    }
+}
+
+/// The default output: each calibration, then what they have in common.
+fn text(done: &[(Problem, Calibration)], written: Option<&Path>) -> String {
+    let mut text = String::new();
+    for (problem, calibration) in done {
+        let experiment = &problem.experiment;
+        if text.is_empty() {
+            let _ = writeln!(text, "{}", experiment.name);
+            if let Some(source) = &experiment.source {
+                let _ = writeln!(text, "{source}");
+            }
+        }
+        let names: Vec<&str> = problem.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
+        let _ = writeln!(
+            text,
+            "\nFree: {}; {} rows, {} coordinates, {} steps\n",
+            names.join(", "),
+            experiment.rows.len(),
+            problem.experiment.rows.len()
+                * experiment.points.iter().map(|point| point.axes.len()).sum::<usize>(),
+            calibration.steps
+        );
+        text += &aligned(&parameters(calibration));
+        if names.len() > 1 {
+            text.push('\n');
+            text += &aligned(&correlation(&names, calibration));
+        }
+        text.push('\n');
+        text += &aligned(&errors(calibration));
+        text.push('\n');
+        text += &aligned(&rows(problem, calibration));
+        let sections = [("Verdict", &calibration.verdict), ("Warnings", &calibration.warnings)];
+        for (heading, sentences) in sections.into_iter().filter(|(_, sentences)| !sentences.is_empty()) {
+            let _ = writeln!(text, "\n{heading}\n  {}", sentences.join("\n  "));
+        }
+    }
+    let several: Vec<&Calibration> = done.iter().map(|(_, calibration)| calibration).collect();
+    if let Some(sentence) = hydrostat::calibrate::in_common(&several) {
+        let _ = writeln!(text, "\nTogether\n  {sentence}");
+    }
+    if let Some(path) = written {
+        let _ = writeln!(text, "\nThe calibrated robot is in {}.", path.display());
+    }
+    text
+}
+
+fn parameters(calibration: &Calibration) -> Vec<Vec<String>> {
+    let header = ["parameter", "before", "value", "standard error", "95 % interval"];
+    let mut table = vec![header.map(str::to_owned).to_vec()];
+    for estimate in &calibration.parameters {
+        let error = estimate.standard_error;
+        let show = |value: f64| estimate.parameter.show(value, error);
+        let unknown = || "not determined".to_owned();
+        table.push(vec![
+            estimate.parameter.name.clone(),
+            estimate.parameter.show(estimate.before, None),
+            show(estimate.value),
+            error.map_or_else(unknown, show),
+            estimate
+                .interval_95
+                .map_or_else(unknown, |[low, high]| format!("{} to {}", show(low), show(high))),
+        ]);
+    }
+    table
+}
+
+fn correlation(names: &[&str], calibration: &Calibration) -> Vec<Vec<String>> {
+    let mut header = vec!["correlation".to_owned()];
+    header.extend(names.iter().map(|name| (*name).to_owned()));
+    let mut table = vec![header];
+    for (i, name) in names.iter().enumerate() {
+        let mut row = vec![(*name).to_owned()];
+        row.extend((0..names.len()).map(|j| {
+            let value = calibration.correlation[(i, j)];
+            if value.is_finite() { format!("{value:.2}") } else { "-".to_owned() }
+        }));
+        table.push(row);
+    }
+    table
+}
+
+fn errors(calibration: &Calibration) -> Vec<Vec<String>> {
+    let header = ["errors", "mean [mm]", "rms [mm]", "largest [mm]", "mean [% of length]"];
+    let line = |name: &str, errors: &Summary| {
+        vec![
+            name.to_owned(),
+            format!("{:.2}", errors.mean * MM),
+            format!("{:.2}", errors.rms * MM),
+            format!("{:.2}", errors.max * MM),
+            format!("{:.2}", errors.mean_fraction * 100.0),
+        ]
+    };
+    let mut table = vec![header.map(str::to_owned).to_vec()];
+    table.push(line("before", &calibration.before));
+    table.push(line("calibrated", &calibration.after));
+    table.extend(calibration.left_out.iter().map(|errors| line("each row from all others", errors)));
+    table
+}
+
+/// One line per measured point: residuals before and after.
+fn rows(problem: &Problem, calibration: &Calibration) -> Vec<Vec<String>> {
+    let experiment = &problem.experiment;
+    let several = experiment.points.len() > 1;
+    let mut header: Vec<String> =
+        experiment.inputs.iter().map(|input| format!("{} [{}]", input.column, input.unit.0)).collect();
+    header.extend(several.then(|| "at [mm]".to_owned()));
+    let axes: Vec<usize> =
+        (0..3).filter(|axis| experiment.points.iter().any(|point| point.axes.contains(axis))).collect();
+    header.extend(axes.iter().map(|&axis| format!("{} off [mm]", ["x", "y", "z"][axis])));
+    header.extend(["error [mm]".to_owned(), "before [mm]".to_owned()]);
+    let mut table = vec![header];
+    let errors = |errors: &[PointError]| errors.iter().map(|error| error.error * MM).collect::<Vec<f64>>();
+    for row in &calibration.rows {
+        let (after, before) = (errors(&row.after), errors(&row.before));
+        for (i, point) in experiment.points.iter().enumerate() {
+            let inputs = experiment.inputs.iter().zip(&row.inputs);
+            let mut cells: Vec<String> =
+                inputs.map(|(input, value)| format!("{:.2}", value / input.unit.1)).collect();
+            cells.extend(several.then(|| format!("{:.1}", point.at * MM)));
+            let off = row.after[i].predicted - row.after[i].observed;
+            cells.extend(axes.iter().map(|axis| match point.axes.contains(axis) {
+                true => format!("{:.2}", off[*axis] * MM),
+                false => "-".to_owned(),
+            }));
+            cells.extend([format!("{:.2}", after[i]), format!("{:.2}", before[i])]);
+            table.push(cells);
+        }
+    }
+    table
+}

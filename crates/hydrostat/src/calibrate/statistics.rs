@@ -1,0 +1,273 @@
+//! How sure the fitted values are.
+
+use super::{HUBER_THRESHOLD, Loss, Problem};
+use crate::numeric::least_squares::{Evaluation, Minimum};
+use crate::verify::PointError;
+use nalgebra::{DMatrix, DVector, SymmetricEigen, Vector3};
+use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
+
+/// Below this chance, chi-square refutes the stated reading errors, and an outlier or a run is none of chance.
+pub(super) const SIGNIFICANCE: f64 = 0.05;
+/// Two-sided 95 % point of the normal distribution.
+const NORMAL_95: f64 = 1.959_963_984_540_054;
+/// Standard deviation over median of the absolute values, of the normal distribution.
+const MEDIAN_TO_DEVIATION: f64 = 1.482_602_218_505_602;
+/// Part of the largest eigenvalue of the scaled normal matrix that the differences of its columns' rounding leave.
+const SINGULAR: f64 = 1e-9;
+/// Part of a singular direction that spoils a parameter.
+const INVOLVED: f64 = 1e-6;
+
+/// What the derivatives at the optimum say; variables in units of their scale.
+pub(super) struct Statistics {
+    /// (J^T J)^-1 of what is determined (parameters x parameters).
+    inverse: DMatrix<f64>,
+    /// Covariance over the inverse.
+    inflation: f64,
+    /// Errors over the stated reading errors.
+    error_scale: f64,
+    determined: Vec<bool>,
+    /// Of the normal matrix with columns of length one: theory (47); ascending, of those that are not held.
+    pub(super) eigen: Vec<(f64, DVector<f64>)>,
+    /// Norm of every column of the Jacobian.
+    pub(super) norms: Vec<f64>,
+    /// Half an interval over its standard error.
+    pub(super) quantile: f64,
+    pub(super) chi_square: f64,
+    pub(super) degrees_of_freedom: usize,
+    pub(super) chance: Option<f64>,
+    pub(super) unexplained: f64,
+    /// Diagonal of the hat matrix.
+    leverage: Vec<f64>,
+}
+
+/// By how much the reading errors are too small, theory (46): 1 unless chi-square refutes them.
+pub(super) fn error_scale(problem: &Problem, minimum: &Minimum, used: f64) -> f64 {
+    let stated = chi_square_with(problem, &minimum.at.residuals, used);
+    let freedom = minimum.at.residuals.len() - free(&minimum.held);
+    if freedom == 0 || chance(stated, freedom) >= SIGNIFICANCE {
+        return 1.0;
+    }
+    let coordinates = problem.coordinates();
+    let scale = match problem.loss {
+        Loss::Squares => (stated / freedom as f64).sqrt(),
+        Loss::Huber => {
+            let mut sizes: Vec<f64> =
+                minimum.at.residuals.iter().take(coordinates).map(|r| (r * used).abs()).collect();
+            sizes.sort_by(f64::total_cmp);
+            let median = 0.5 * (sizes[(coordinates - 1) / 2] + sizes[coordinates / 2]);
+            MEDIAN_TO_DEVIATION * median * (coordinates as f64 / freedom as f64).sqrt()
+        }
+    };
+    scale.max(1.0)
+}
+
+fn free(held: &[bool]) -> usize {
+    held.iter().filter(|held| !**held).count()
+}
+
+/// With the stated errors, of residuals over `used` times those.
+fn chi_square_with(problem: &Problem, residuals: &DVector<f64>, used: f64) -> f64 {
+    let coordinates = problem.coordinates();
+    let of = |(k, r): (usize, &f64)| if k < coordinates { (r * used).powi(2) } else { r * r };
+    residuals.iter().enumerate().map(of).sum()
+}
+
+/// Chance of a chi-square at least so large.
+fn chance(chi_square: f64, degrees_of_freedom: usize) -> f64 {
+    ChiSquared::new(degrees_of_freedom as f64).map_or(f64::NAN, |distribution| distribution.sf(chi_square))
+}
+
+/// Student's distribution; two-sided 95 % point.
+fn student_95(degrees_of_freedom: usize) -> f64 {
+    let distribution = StudentsT::new(0.0, 1.0, degrees_of_freedom as f64);
+    distribution.map_or(f64::NAN, |distribution| distribution.inverse_cdf(0.975))
+}
+
+impl Statistics {
+    /// `at` with the errors scaled.
+    pub(super) fn new(problem: &Problem, at: &Evaluation, held: &[bool], error_scale: f64) -> Statistics {
+        let count = held.len();
+        let index: Vec<usize> = (0..count).filter(|&j| !held[j]).collect();
+        let norms: Vec<f64> = at.jacobian.column_iter().map(|column| column.norm()).collect();
+        let unit = DMatrix::from_fn(at.jacobian.nrows(), index.len(), |i, k| {
+            at.jacobian[(i, index[k])] / norms[index[k]].max(f64::MIN_POSITIVE)
+        });
+
+        // theory (45) and (47): eigenvalues tell what is determined, the rest is inverted
+        let found = SymmetricEigen::new(unit.tr_mul(&unit));
+        let largest = found.eigenvalues.iter().copied().fold(0.0, f64::max);
+        let mut eigen: Vec<(f64, DVector<f64>)> = Vec::new();
+        let mut inverse = DMatrix::zeros(count, count);
+        let mut determined: Vec<bool> = held.iter().map(|held| !held).collect();
+        for (k, &value) in found.eigenvalues.iter().enumerate() {
+            let mut vector = DVector::zeros(count);
+            for (row, &j) in index.iter().enumerate() {
+                vector[j] = found.eigenvectors[(row, k)];
+            }
+            if value <= SINGULAR * largest {
+                for j in 0..count {
+                    determined[j] &= vector[j].powi(2) < INVOLVED;
+                }
+            } else {
+                let scaled = DVector::from_fn(count, |j, _| vector[j] / norms[j].max(f64::MIN_POSITIVE));
+                inverse += &scaled * scaled.transpose() / value;
+            }
+            eigen.push((value.max(0.0), vector));
+        }
+        eigen.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let leverage = at.jacobian.row_iter().map(|row| (row * &inverse).dot(&row)).collect();
+
+        let coordinates = problem.coordinates();
+        let degrees_of_freedom = at.residuals.len() - index.len();
+        let chi_square = chi_square_with(problem, &at.residuals, error_scale);
+        let estimated = error_scale > 1.0;
+        Statistics {
+            inverse,
+            inflation: huber_factor(problem, at, index.len()),
+            error_scale,
+            determined,
+            eigen,
+            norms,
+            quantile: if estimated { student_95(degrees_of_freedom) } else { NORMAL_95 },
+            chi_square,
+            degrees_of_freedom,
+            chance: (degrees_of_freedom > 0).then(|| chance(chi_square, degrees_of_freedom)),
+            unexplained: unexplained(
+                problem,
+                &at.residuals.rows(0, coordinates).into(),
+                error_scale,
+                degrees_of_freedom,
+            ),
+            leverage,
+        }
+    }
+
+    /// None where the data do not determine it.
+    pub(super) fn standard_error(&self, j: usize) -> Option<f64> {
+        self.determined[j].then(|| (self.inflation * self.inverse[(j, j)]).sqrt())
+    }
+
+    pub(super) fn correlation(&self) -> DMatrix<f64> {
+        DMatrix::from_fn(self.determined.len(), self.determined.len(), |i, j| match () {
+            () if !(self.determined[i] && self.determined[j]) => f64::NAN,
+            () if i == j => 1.0,
+            () => self.inverse[(i, j)] / (self.inverse[(i, i)] * self.inverse[(j, j)]).sqrt(),
+        })
+    }
+
+    /// Correlation of a parameter with the best combination of all others; 1 where it is not determined.
+    pub(super) fn multiple_correlation(&self, j: usize) -> f64 {
+        if !self.determined[j] {
+            return 1.0;
+        }
+        let inflation: f64 =
+            self.eigen.iter().filter(|(value, _)| *value > 0.0).map(|(value, v)| v[j].powi(2) / value).sum();
+        (1.0 - 1.0 / inflation.max(1.0)).sqrt()
+    }
+
+    /// Whether a direction cannot be seen at all.
+    pub(super) fn is_singular(&self, value: f64) -> bool {
+        value <= SINGULAR * self.eigen.last().map_or(1.0, |(largest, _)| *largest)
+    }
+
+    /// Errors of every row as predicted by the fit to all other rows, to first order, theory (48).
+    pub(super) fn left_out(&self, problem: &Problem, at: &Evaluation) -> Option<Vec<Vec<PointError>>> {
+        let experiment = &problem.experiment;
+        let per_row = problem.coordinates() / experiment.rows.len();
+        let mut all = Vec::new();
+        for (number, row) in experiment.rows.iter().enumerate() {
+            let jacobian = at.jacobian.rows(number * per_row, per_row);
+            let hat = jacobian * &self.inverse * jacobian.transpose();
+            let rest = (DMatrix::identity(per_row, per_row) - hat).cholesky()?;
+            // the row alone determines something
+            if rest.l_dirty().diagonal().iter().any(|pivot| *pivot < 1e-4) {
+                return None;
+            }
+            let off = rest.solve(&at.residuals.rows(number * per_row, per_row));
+            let mut k = 0;
+            let mut errors = Vec::new();
+            for (point, observed) in experiment.points.iter().zip(&row.observed) {
+                let mut away = Vector3::zeros();
+                for &axis in &point.axes {
+                    away[axis] = off[k] * point.reading_error * self.error_scale;
+                    k += 1;
+                }
+                let predicted = observed + away;
+                errors.push(PointError { at: point.at, predicted, observed: *observed, error: away.norm() });
+            }
+            all.push(errors);
+        }
+        Some(all)
+    }
+
+    /// Coordinates that lie off by more than chance allows among so many, theory (49): index, standard errors off.
+    pub(super) fn outliers(&self, problem: &Problem, at: &Evaluation) -> Vec<(usize, f64)> {
+        let coordinates = problem.coordinates();
+        if self.degrees_of_freedom < 3 {
+            return Vec::new();
+        }
+        let rest = self.degrees_of_freedom - 1;
+        let Ok(distribution) = StudentsT::new(0.0, 1.0, rest as f64) else { return Vec::new() };
+        let squares = at.residuals.norm_squared();
+        // deleted residuals: each against the spread of all others
+        let off = |k: usize| {
+            let own = at.residuals[k].powi(2) / (1.0 - self.leverage[k]).max(1e-9);
+            let spread = ((squares - own) / rest as f64).max(0.0).sqrt();
+            own.sqrt() / spread.max(f64::MIN_POSITIVE)
+        };
+        (0..coordinates)
+            .map(|k| (k, off(k)))
+            .filter(|(_, off)| 2.0 * distribution.sf(*off) * (coordinates as f64) < SIGNIFICANCE)
+            .collect()
+    }
+}
+
+/// Loss of efficiency and spread of Huber's estimate over those of squares (Huber 1981, section 7.6).
+fn huber_factor(problem: &Problem, at: &Evaluation, free: usize) -> f64 {
+    if problem.loss == Loss::Squares {
+        return 1.0;
+    }
+    let n = at.residuals.len() as f64;
+    let inside = at.residuals.iter().filter(|r| r.abs() <= HUBER_THRESHOLD).count() as f64 / n;
+    let spread: f64 = at.residuals.iter().map(|r| r.abs().min(HUBER_THRESHOLD).powi(2)).sum();
+    let correction = 1.0 + free as f64 / n * (1.0 - inside) / inside.max(1.0 / n);
+    let variance = spread / (n - free as f64).max(1.0) / inside.max(1.0 / n).powi(2);
+    // never surer than the reading error allows
+    (correction.powi(2) * variance).max(1.0)
+}
+
+/// Root of the mean square per coordinate beyond the reading error, m.
+fn unexplained(
+    problem: &Problem,
+    residuals: &DVector<f64>,
+    error_scale: f64,
+    degrees_of_freedom: usize,
+) -> f64 {
+    let points = &problem.experiment.points;
+    let per_row: Vec<f64> =
+        points.iter().flat_map(|point| point.axes.iter().map(|_| point.reading_error)).collect();
+    let errors = per_row.iter().cycle();
+    let (mut squares, mut read) = (0.0, 0.0);
+    for (r, error) in residuals.iter().zip(errors) {
+        squares += (r * error * error_scale).powi(2);
+        read += error.powi(2);
+    }
+    let n = residuals.len() as f64;
+    (squares / (degrees_of_freedom as f64).clamp(1.0, n) - read / n).max(0.0).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Abramowitz & Stegun, tables 26.8 and 26.10.
+    #[test]
+    fn distributions_agree_with_their_tables() {
+        for (n, point) in [(2, 5.99146), (10, 18.3070), (100, 124.342)] {
+            assert!((chance(point, n) - 0.05).abs() < 1e-6, "{n}");
+        }
+        for (n, point) in [(1, 12.706), (5, 2.571), (20, 2.086), (120, 1.980)] {
+            assert!((student_95(n) - point).abs() < 5e-4, "{n}: {}", student_95(n));
+        }
+    }
+}

@@ -1,0 +1,391 @@
+//! What the numbers mean, in words.
+
+use super::parameter::Part;
+use super::statistics::{SIGNIFICANCE, Statistics};
+use super::{Calibration, Estimate, Loss, Problem};
+use crate::numeric::least_squares::Evaluation;
+use crate::verify::Systematic;
+use nalgebra::DVector;
+
+/// Goodness of fit, systematic residuals, prediction, what the data can tell.
+pub(super) fn verdict(
+    problem: &Problem,
+    calibration: &Calibration,
+    statistics: &Statistics,
+    at: &Evaluation,
+    scale: &[f64],
+) -> Vec<String> {
+    let mut verdict = vec![goodness(problem, calibration)];
+    verdict.extend(unexplained(problem, calibration));
+    verdict.push(match &calibration.left_out {
+        Some(errors) => format!(
+            "A row that the fit has not seen is predicted within {:.2} mm on average ({:.2} mm at most), against {:.2} mm for \
+             those that it has.",
+            1e3 * errors.mean,
+            1e3 * errors.max,
+            1e3 * calibration.after.mean
+        ),
+        None => "How well an unseen row would be predicted is not known: one row alone determines a parameter.".to_owned(),
+    });
+    verdict.extend(identifiability(problem, statistics, at, scale));
+    verdict
+}
+
+/// Whether the residuals follow an input: runs of their sign, and the likeness of neighbours.
+pub(super) fn follows(runs: Vec<Systematic>, alike: Option<(String, f64)>) -> Vec<String> {
+    let mut sentences: Vec<String> = runs.into_iter().map(|found| found.sentence).collect();
+    sentences.extend(alike.map(|(column, chance)| {
+        let shown = if chance < SIGNIFICANCE { "is systematic" } else { "is not shown to be systematic" };
+        format!(
+            "By sizes the residual {shown} with {column}: rows next to each other err as much alike in {} of all orders.",
+            percent(chance)
+        )
+    }));
+    sentences
+}
+
+fn goodness(problem: &Problem, calibration: &Calibration) -> String {
+    let Calibration { chi_square, degrees_of_freedom, error_scale, .. } = calibration;
+    let Some(chance) = calibration.chance else {
+        return "There are as many free parameters as coordinates: the fit is exact, and nothing is left to judge it by.".to_owned();
+    };
+    let test = format!(
+        "chi-square {chi_square:.1} with {degrees_of_freedom} degrees of freedom, chance {}",
+        percent(chance)
+    );
+    if chance >= SIGNIFICANCE {
+        return format!(
+            "The reading error explains the residuals ({test}); the intervals rest on it as stated."
+        );
+    }
+    let loss = if problem.loss == Loss::Huber { "the bulk of the residuals" } else { "the residuals" };
+    if *error_scale > 1.0 {
+        format!(
+            "The reading error does not explain the residuals ({test}): the intervals rest on {loss}, {error_scale:.1} times as \
+             large, with Student's t, as if those were of chance."
+        )
+    } else {
+        format!(
+            "The reading error does not explain some of the residuals ({test}), but it does explain their bulk."
+        )
+    }
+}
+
+fn percent(chance: f64) -> String {
+    if chance < 1e-4 { "below 0.01 %".to_owned() } else { format!("{:.2} %", 100.0 * chance) }
+}
+
+fn unexplained(problem: &Problem, calibration: &Calibration) -> Option<String> {
+    if calibration.chance.is_none_or(|chance| chance >= SIGNIFICANCE) {
+        return None;
+    }
+    let names: Vec<&str> = problem.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
+    let smallest =
+        problem.experiment.points.iter().map(|point| point.reading_error).fold(f64::INFINITY, f64::min);
+    let why = match calibration.systematic {
+        Some(true) => format!(
+            "since the residuals are systematic, no value of {} removes that: the model or the bench has something else in it",
+            and(&names)
+        ),
+        Some(false) => "the residuals look like chance: readings are less exact than stated".to_owned(),
+        None => "whether that is systematic cannot be told from these rows".to_owned(),
+    };
+    Some(format!(
+        "Beyond the reading error of {:.2} mm, {:.1} mm per coordinate stay unexplained; {why}.",
+        1e3 * smallest,
+        1e3 * calibration.unexplained
+    ))
+}
+
+/// What several calibrations of one bench leave alike, where there are several and they leave something.
+pub fn in_common(calibrations: &[&Calibration]) -> Option<String> {
+    let unexplained = || calibrations.iter().map(|calibration| 1e3 * calibration.unexplained);
+    let refuted = |calibration: &&Calibration| calibration.chance.is_some_and(|chance| chance < SIGNIFICANCE);
+    if calibrations.len() < 2 || !calibrations.iter().all(refuted) {
+        return None;
+    }
+    let (low, high) =
+        unexplained().fold((f64::INFINITY, 0.0_f64), |(low, high), x| (low.min(x), high.max(x)));
+    let systematic = calibrations.iter().all(|calibration| calibration.systematic == Some(true));
+    let why = if systematic { ": the residuals are systematic, and not of reading" } else { "" };
+    Some(format!(
+        "Whichever of these is freed, {} to {} mm per coordinate ({low:.1} to {high:.1} mm) stay unexplained by the reading error{why}.",
+        low.floor(),
+        high.ceil()
+    ))
+}
+
+/// `a, b and c`
+fn and(names: &[&str]) -> String {
+    match names {
+        [] => String::new(),
+        [one] => (*one).to_owned(),
+        [all @ .., last] => format!("{} and {last}", all.join(", ")),
+    }
+}
+
+/// Multiple correlations from which parameters are hardly, and not at all told apart: their errors are 3 and 7 times those of each
+/// alone.
+const HARDLY: f64 = 0.95;
+const NOT: f64 = 0.99;
+/// Part of a direction from which a parameter takes part in it.
+const TAKES_PART: f64 = 0.2;
+/// The change by which a direction is shown, of the parameter that changes most.
+const SHOWN: f64 = 0.1;
+
+/// Which combination the data cannot tell, theory (47).
+fn identifiability(
+    problem: &Problem,
+    statistics: &Statistics,
+    at: &Evaluation,
+    scale: &[f64],
+) -> Vec<String> {
+    let count = problem.parameters.len();
+    if count < 2 {
+        return Vec::new();
+    }
+    let mut sentences = Vec::new();
+    for (value, direction) in &statistics.eigen {
+        let members: Vec<usize> = (0..count).filter(|&j| direction[j].abs() >= TAKES_PART).collect();
+        let correlation = members.iter().map(|&j| statistics.multiple_correlation(j)).fold(0.0, f64::max);
+        // a well-determined direction of parameters that are badly determined in another one says nothing
+        if members.len() < 2 || correlation < HARDLY || *value > 1.0 - HARDLY {
+            continue;
+        }
+        let names: Vec<&str> = members.iter().map(|&j| problem.parameters[j].name.as_str()).collect();
+        let told = match () {
+            () if statistics.is_singular(*value) => {
+                "cannot be told apart at all by these measurements".to_owned()
+            }
+            () if correlation >= NOT => {
+                format!("cannot be told apart by these measurements: correlation {correlation:.3}")
+            }
+            () => format!("can hardly be told apart by these measurements: correlation {correlation:.2}"),
+        };
+        let step = DVector::from_fn(count, |j, _| direction[j] / statistics.norms[j].max(f64::MIN_POSITIVE));
+        let step = &step * (SHOWN / step.amax().max(f64::MIN_POSITIVE));
+        let largest = step.iamax();
+        let step = &step * step[largest].signum();
+        let changes: Vec<String> = members
+            .iter()
+            .map(|&j| {
+                let text =
+                    problem.parameters[j].show(step[j] * scale[j], Some(0.05 * (step[j] * scale[j]).abs()));
+                format!(
+                    "{} {}{text}",
+                    problem.parameters[j].name,
+                    if text.starts_with('-') { "" } else { "+" }
+                )
+            })
+            .collect();
+        let changes: Vec<&str> = changes.iter().map(String::as_str).collect();
+        let moved = (&at.jacobian * &step).rows(0, problem.coordinates()).norm()
+            / (problem.coordinates() as f64).sqrt();
+        sentences.push(format!(
+            "{} {told}. Together {} move what was measured by only {moved:.2} standard errors (root mean square); measure what \
+             separates them, or fix one, or give a prior.",
+            and(&names),
+            and(&changes)
+        ));
+    }
+    if sentences.is_empty() {
+        let correlation = statistics.correlation();
+        let pairs = (0..count).flat_map(|i| (0..i).map(move |j| (j, i)));
+        let largest = pairs.max_by(|a, b| correlation[*a].abs().total_cmp(&correlation[*b].abs()));
+        sentences.extend(largest.filter(|pair| correlation[*pair].is_finite()).map(|(i, j)| {
+            format!(
+                "The data tell all parameters apart; the largest correlation is {:.2}, of {} with {}.",
+                correlation[(i, j)],
+                problem.parameters[i].name,
+                problem.parameters[j].name
+            )
+        }));
+    }
+    sentences
+}
+
+/// What to doubt: parameters, then rows, then columns.
+pub(super) fn warnings(
+    problem: &Problem,
+    calibration: &Calibration,
+    statistics: &Statistics,
+    at: &Evaluation,
+    held: &[bool],
+) -> Vec<String> {
+    let mut warnings = Vec::new();
+    for (estimate, held) in calibration.parameters.iter().zip(held) {
+        if *held {
+            warnings.push(format!(
+                "{} lies on its bound, {}: the data ask for a value beyond it, and it has no interval.",
+                estimate.parameter.name,
+                estimate.parameter.show(estimate.value, None)
+            ));
+        }
+        warnings.extend(unphysical(problem, estimate));
+        warnings.extend(loose(estimate));
+        warnings.extend(against_prior(estimate));
+    }
+    warnings.extend(outliers(problem, statistics, at));
+    warnings.extend(repeated_rows(problem));
+    warnings.extend(constant_columns(problem, calibration));
+    warnings
+}
+
+/// How far from its stated value a quantity may be found before something else is meant: moduli differ by alloy, heat and
+/// direction of fibres, dimensions by tolerance, a density hardly.
+fn tolerated(part: &Part) -> Option<f64> {
+    match part {
+        Part::YoungsModulus { .. } | Part::ShearModulus { .. } => Some(1.0),
+        Part::Density { .. } => Some(0.15),
+        Part::Length { .. } => Some(0.05),
+        Part::Dimension { .. } => Some(0.1),
+        Part::HoleRadius { .. } => Some(0.25),
+        _ => None,
+    }
+}
+
+/// Angles of mounting that are seen with the eye, rad.
+const SEEN: f64 = 0.17;
+/// Part of the largest mass that no scale is off by.
+const MASS_OFF: f64 = 0.1;
+
+fn unphysical(problem: &Problem, estimate: &Estimate) -> Option<String> {
+    let Estimate { parameter, before, value, .. } = estimate;
+    let name = &parameter.name;
+    let shown = parameter.show(*value, estimate.standard_error);
+    let part = &parameter.parts[0];
+    if let Some(tolerated) = tolerated(part) {
+        let ratio = value / before;
+        let plausible = ratio <= 1.0 + tolerated && ratio >= 1.0 / (1.0 + tolerated);
+        return (*before > 0.0 && !plausible).then(|| {
+            format!(
+                "{name} = {shown} is {ratio:.2} times the stated {}: as a physical value this is implausible, and more likely it stands \
+                 for something that the model or the bench has and the fit has not.",
+                parameter.show(*before, None)
+            )
+        });
+    }
+    match part {
+        Part::MountAngle | Part::BaseRotation { .. } | Part::HoleAngle { .. }
+            if (value - before).abs() > SEEN =>
+        {
+            Some(format!(
+                "{name} = {shown} is farther from the stated {} than the eye would miss.",
+                parameter.show(*before, None)
+            ))
+        }
+        Part::MassOffset { input } => {
+            let masses = || problem.experiment.rows.iter().map(|row| row.inputs[*input]);
+            let largest = masses().fold(0.0, f64::max);
+            if masses().any(|mass| mass + value < -1e-9 * largest) {
+                Some(format!("{name} = {shown} makes a hung mass negative, which is unphysical."))
+            } else {
+                (value.abs() > MASS_OFF * largest).then(|| {
+                    format!("{name} = {shown} is more than a tenth of the largest mass: no scale is off by so much.")
+                })
+            }
+        }
+        _ => None,
+    }
+}
+
+/// Part of a value from which its standard error says that it is not known.
+const NOT_KNOWN: f64 = 0.5;
+
+fn loose(estimate: &Estimate) -> Option<String> {
+    let Estimate { parameter, value, .. } = estimate;
+    let error = estimate.standard_error?;
+    let signed = parameter.parts[0].lowest_possible() < 0.0;
+    (!signed && *value > 0.0 && error > NOT_KNOWN * value).then(|| {
+        format!(
+            "{} is hardly determined: its standard error is {:.0} % of its value.",
+            parameter.name,
+            100.0 * error / value
+        )
+    })
+}
+
+/// Standard errors from which a prior and the data contradict each other.
+const CONTRADICTS: f64 = 3.0;
+
+fn against_prior(estimate: &Estimate) -> Option<String> {
+    let prior = estimate.parameter.prior?;
+    let away = (estimate.value - prior.value) / prior.standard_error;
+    (away.abs() > CONTRADICTS).then(|| {
+        format!(
+            "{} is found {:.1} standard errors from its prior: one of the two is wrong, or the model is.",
+            estimate.parameter.name,
+            away.abs()
+        )
+    })
+}
+
+fn outliers(problem: &Problem, statistics: &Statistics, at: &Evaluation) -> Vec<String> {
+    let experiment = &problem.experiment;
+    let per_row: Vec<(usize, usize)> = experiment
+        .points
+        .iter()
+        .enumerate()
+        .flat_map(|(i, point)| point.axes.iter().map(move |&axis| (i, axis)))
+        .collect();
+    let found = statistics.outliers(problem, at);
+    let advice = match problem.loss {
+        Loss::Squares => "check it, or fit with --loss huber",
+        Loss::Huber => "it pulls little here",
+    };
+    let sentence = |&(k, off): &(usize, f64)| {
+        let (row, (point, axis)) = (k / per_row.len(), per_row[k % per_row.len()]);
+        format!(
+            "row {} ({}): {} of the point at {:.0} mm lies {off:.1} standard errors off and looks like an outlier; {advice}.",
+            row + 1,
+            experiment.inputs_of(&experiment.rows[row]),
+            ["x", "y", "z"][axis],
+            1e3 * experiment.points[point].at
+        )
+    };
+    found.iter().map(sentence).collect()
+}
+
+fn repeated_rows(problem: &Problem) -> Vec<String> {
+    let rows = &problem.experiment.rows;
+    let earlier = |i: usize| (0..i).find(|&j| rows[j] == rows[i]).map(|j| (j, i));
+    (0..rows.len())
+        .filter_map(earlier)
+        .map(|(j, i)| {
+            format!(
+                "row {} repeats row {} to the last digit: if it is no measurement of its own, the intervals are too narrow.",
+                i + 1,
+                j + 1
+            )
+        })
+        .collect()
+}
+
+/// Reading errors by which a prediction moves while its reading stays.
+const MOVES: f64 = 5.0;
+
+fn constant_columns(problem: &Problem, calibration: &Calibration) -> Vec<String> {
+    let mut sentences = Vec::new();
+    for (i, point) in problem.experiment.points.iter().enumerate() {
+        for &axis in &point.axes {
+            let range = |of: &dyn Fn(usize) -> f64| {
+                let values = (0..calibration.rows.len()).map(of);
+                let (low, high) =
+                    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+                high - low
+            };
+            let observed = range(&|k| calibration.rows[k].before[i].observed[axis]);
+            let predicted = range(&|k| calibration.rows[k].before[i].predicted[axis]);
+            if calibration.rows.len() > 1 && observed == 0.0 && predicted > MOVES * point.reading_error {
+                sentences.push(format!(
+                    "The {} of the point at {:.0} mm reads the same in every row, where the model moves it by {:.1} mm: is that column \
+                     a measurement?",
+                    ["x", "y", "z"][axis],
+                    1e3 * point.at,
+                    1e3 * predicted
+                ));
+            }
+        }
+    }
+    sentences
+}

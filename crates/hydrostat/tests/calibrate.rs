@@ -1,0 +1,321 @@
+//! Calibration against the thesis's bench and against benches whose truth is known.
+
+use hydrostat::Error;
+use hydrostat::calibrate::{Calibration, Loss, Problem, calibrate, sensitivities};
+use hydrostat::description::{CalibrationFlags, builtin, parse_calibration};
+use hydrostat::statics::Settings;
+
+/// A short rod in two sections under masses, read at its tip and at 60 mm.
+const ROD: &str = r#"
+name = "short rod"
+gravity = "[0, -9.81, 0] m/s^2"
+[base]
+tangent = [1, 0, 0]
+normal = [0, 1, 0]
+[material.wire]
+youngs_modulus = "60 GPa"
+poisson_ratio = 0.3
+density = "6.5 g/cm^3"
+[[section]]
+name = "a"
+length = "60 mm"
+material = "wire"
+profile = { diameter = "0.8 mm" }
+[[section]]
+name = "b"
+length = "40 mm"
+material = "wire"
+profile = { diameter = "0.6 mm" }
+"#;
+
+const BENCH: &str = r#"
+name = "bench"
+robot = "rod.toml"
+data = "data.csv"
+[[vary]]
+quantity = "hung_mass"
+column = "mass"
+at = "tip"
+[[measure]]
+at = "tip"
+x = "x"
+y = "y"
+reading_error = "0.2 mm"
+"#;
+
+const MASSES: [f64; 6] = [5.0, 10.0, 15.0, 20.0, 25.0, 30.0];
+
+fn table(readings: &[f64]) -> String {
+    let rows = MASSES.iter().zip(readings.chunks(2));
+    let rows = rows.map(|(mass, read)| format!("{mass},{:.9},{:.9}\n", 1e3 * read[0], 1e3 * read[1]));
+    "mass [g],x [mm],y [mm]\n".to_owned() + &rows.collect::<String>()
+}
+
+fn flags(free: &str) -> CalibrationFlags {
+    CalibrationFlags { free: vec![free.to_owned()], ..CalibrationFlags::default() }
+}
+
+fn problem_of(robot: &str, bench: &str, data: &str, flags: &CalibrationFlags) -> Result<Problem, Error> {
+    let mut load = |path: &str| Ok(if path == "data.csv" { data } else { robot }.to_owned());
+    parse_calibration(bench, "bench.toml", &mut load, flags).map(|parsed| parsed.value)
+}
+
+fn problem(readings: &[f64], free: &str) -> Problem {
+    problem_of(ROD, BENCH, &table(readings), &flags(free)).expect("is valid")
+}
+
+/// What the rod does without any error.
+fn exact() -> Vec<f64> {
+    let nothing: Vec<f64> = [0.09, -0.01].repeat(MASSES.len());
+    let (predicted, _) =
+        sensitivities(&problem(&nothing, "youngs_modulus"), &Settings::default()).expect("solves");
+    predicted.iter().copied().collect()
+}
+
+fn fit(problem: &Problem) -> Calibration {
+    calibrate(problem, &Settings::default()).expect("fits")
+}
+
+/// Normal numbers from a linear congruence (Knuth's MMIX) by the sum of twelve: enough for 95 % intervals.
+struct Noise(u64);
+
+impl Noise {
+    fn next(&mut self) -> f64 {
+        let mut uniform = || {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        (0..12).map(|_| uniform()).sum::<f64>() - 6.0
+    }
+}
+
+fn gray(free: &str) -> Calibration {
+    fit(&builtin::calibration(&flags(free)).expect("is valid").value)
+}
+
+/// mechanics.md, section 6, which rounds so: fits of the observed column with 6.80 g/cm^3.
+#[test]
+fn the_thesis_bench() {
+    let found = gray(builtin::FREED[0]);
+    let e = &found.parameters[0];
+    assert!((54.3e9..54.65e9).contains(&e.value), "{}", e.value);
+    assert!((e.standard_error.expect("is determined") - 0.24e9).abs() < 0.02e9, "{e:?}");
+    assert!((found.after.mean - 2.27e-3).abs() < 0.01e-3, "{:?}", found.after);
+    let found = gray(builtin::FREED[1]);
+    assert!((found.parameters[0].value - 54.96e9).abs() < 0.02e9, "{:?}", found.parameters);
+    assert!((found.parameters[1].value - 391.4e-3).abs() < 0.06e-3, "{:?}", found.parameters);
+    assert!((found.after.mean - 1.9e-3).abs() < 0.05e-3, "{:?}", found.after);
+    assert!((1e-3..2e-3).contains(&found.unexplained) && found.systematic == Some(true), "{found:?}");
+    let words = found.verdict.join(" ");
+    assert!(words.contains("stay unexplained; since the residuals are systematic"), "{words}");
+}
+
+/// Every kind of parameter, against differences of solves, on a rod and on a tendon robot that is not planar.
+#[test]
+fn sensitivities_are_differences_of_solves() {
+    const CLOSE: f64 = 2e-5;
+    let bench = BENCH.replace("y = \"y\"", "y = \"y\"\nz = \"z\"")
+        + "[[measure]]\nat = \"45 mm\"\nx = \"x\"\nz = \"z\"\nreading_error = \"1 mm\"\n";
+    let data = "mass [g],x [mm],y [mm],z [mm]\n5,1,1,1\n15,1,1,1\n";
+    let scr = include_str!("../../../robots/scr.toml")
+        .replace("[[tendon]]", "[[tendon]]\nstiffness = \"3 kN\"\nfriction = 0.1");
+    let scr = scr.replace("[actuation]", "[actuation]\n# pulled");
+    let of_rod = "youngs_modulus,shear_modulus,density,section.a.length,section.2.length,section.a.profile.diameter,section.b.rest_curvature.x,\
+                  section.a.rest_curvature.y,section.*.rest_curvature.z,base.position.y,base.rotation.z,mount_angle,mass_offset,\
+                  measure.1.marker_offset.x,measure.2.marker_offset.z";
+    let of_scr = "youngs_modulus,length,diameter,tendon.1.radius,tendon.b.hole_angle,tendon.*.stiffness,tendon.*.friction,base.rotation.x,mass_offset,measure.2.marker_offset.x";
+    for (robot, free) in [(ROD, of_rod.to_owned()), (scr.as_str(), of_scr.to_owned())] {
+        let first = free;
+        let problem =
+            problem_of(robot, &bench, data, &flags(&first)).unwrap_or_else(|error| panic!("{error}"));
+        let (_, jacobian) = sensitivities(&problem, &Settings::default()).expect("solves");
+        let values = hydrostat::calibrate::start(&problem).expect("has values");
+        for (j, parameter) in problem.parameters.iter().enumerate() {
+            let change = 2e-4 * if values[j] == 0.0 { 0.05 } else { values[j].abs() };
+            let side = |change: f64| {
+                let moved =
+                    hydrostat::calibrate::predict(&problem, j, values[j] + change, &Settings::default());
+                moved.unwrap_or_else(|error| panic!("{}: {error}", parameter.name))
+            };
+            let expected = (side(change) - side(-change)) / (2.0 * change);
+            let largest = expected.amax();
+            let off = (jacobian.column(j) - &expected).amax();
+            assert!(off <= CLOSE * largest + 1e-9 / change, "{}: {off:e} of {largest:e}", parameter.name);
+        }
+    }
+}
+
+/// How often the 95 % interval holds the truth, in percent.
+fn coverage(error: f64, seed: u64) -> Vec<f64> {
+    const BENCHES: usize = 1000;
+    let truth = [60e9, 0.04];
+    let exact = exact();
+    let mut noise = Noise(seed);
+    let mut hits = vec![0; truth.len()];
+    for _ in 0..BENCHES {
+        let readings: Vec<f64> = exact.iter().map(|x| x + error * noise.next()).collect();
+        let found = fit(&problem(&readings, "youngs_modulus,section.b.length"));
+        for (j, estimate) in found.parameters.iter().enumerate() {
+            let [low, high] = estimate.interval_95.expect("is determined");
+            hits[j] += usize::from(low <= truth[j] && truth[j] <= high);
+        }
+    }
+    hits.iter().map(|&hits| 100.0 * hits as f64 / BENCHES as f64).collect()
+}
+
+/// With errors as stated, and with errors three times as large, which chi-square has to find out.
+#[test]
+fn intervals_cover_the_truth() {
+    for (error, seed) in [(0.2e-3, 1), (0.6e-3, 2)] {
+        for percent in coverage(error, seed) {
+            assert!((93.0..=97.0).contains(&percent), "{percent} % with errors of {error} m");
+        }
+    }
+}
+
+#[test]
+fn exact_data_give_the_truth_back() {
+    let mut start = problem(&exact(), "youngs_modulus,section.b.length");
+    for section in &mut start.experiment.robot.sections {
+        section.material.youngs_modulus *= 1.4;
+        section.material.shear_modulus *= 1.4;
+    }
+    let found = fit(&start);
+    assert!((found.parameters[0].value / 60e9 - 1.0).abs() < 1e-6, "{:?}", found.parameters);
+    assert!((found.parameters[1].value / 0.04 - 1.0).abs() < 1e-6, "{:?}", found.parameters);
+    assert_eq!(found.warnings, Vec::<String>::new());
+}
+
+fn noisy() -> Vec<f64> {
+    let mut noise = Noise(7);
+    exact().iter().map(|x| x + 0.2e-3 * noise.next()).collect()
+}
+
+#[test]
+fn an_outlier_is_named_and_huber_withstands_it() {
+    let mut readings = noisy();
+    readings[7] -= 0.01;
+    let squares = fit(&problem(&readings, "youngs_modulus"));
+    assert!(
+        squares.warnings.iter().any(|w| w.starts_with("row 4 (mass 20 g): y") && w.contains("outlier")),
+        "{:?}",
+        squares.warnings
+    );
+    let mut robust = problem(&readings, "youngs_modulus");
+    robust.loss = Loss::Huber;
+    let robust = fit(&robust);
+    let off = |found: &Calibration| (found.parameters[0].value - 60e9).abs();
+    assert!(off(&robust) < 0.35 * off(&squares), "{} {}", off(&robust), off(&squares));
+}
+
+#[test]
+fn collinear_parameters_are_named() {
+    let found = fit(&problem(&noisy(), "youngs_modulus,section.*.profile.diameter"));
+    let words = found.verdict.join(" ");
+    assert!(words.contains("youngs_modulus") && words.contains("told apart"), "{words}");
+    let found = fit(&problem(&noisy(), "youngs_modulus,density,mount_angle,mass_offset"));
+    let words = found.verdict.join(" ");
+    assert!(words.contains("cannot be told apart by these measurements: correlation"), "{words}");
+}
+
+#[test]
+fn leaving_a_row_out_is_as_fitting_the_others() {
+    let readings = noisy();
+    let whole = fit(&problem(&readings, "youngs_modulus"));
+    let mut sum = 0.0;
+    for i in 0..MASSES.len() {
+        let mut others = problem(&readings, "youngs_modulus");
+        let row = others.experiment.rows.remove(i);
+        let value = fit(&others).parameters[0].value;
+        let mut one = problem(&readings, "youngs_modulus");
+        one.experiment.rows = vec![row];
+        let at = hydrostat::calibrate::predict(&one, 0, value, &Settings::default()).expect("solves");
+        sum += (at[0] - readings[2 * i]).hypot(at[1] - readings[2 * i + 1]);
+    }
+    let mean = whole.left_out.expect("is determined").mean;
+    // second order in the change of E
+    assert!((mean / (sum / MASSES.len() as f64) - 1.0).abs() < 1e-3, "{mean} {sum}");
+}
+
+/// Two independent sources of one value: weights are inverse variances.
+#[test]
+fn a_prior_counts_by_its_error() {
+    let alone = fit(&problem(&noisy(), "youngs_modulus"));
+    let (value, error) =
+        (alone.parameters[0].value, alone.parameters[0].standard_error.expect("is determined"));
+    let mut with = flags("youngs_modulus");
+    with.prior = vec![format!("youngs_modulus={} Pa +- {} Pa", value + error, error)];
+    let found = fit(&problem_of(ROD, BENCH, &table(&noisy()), &with).expect("is valid"));
+    let together = &found.parameters[0];
+    assert!(((together.value - value) / error - 0.5).abs() < 0.01, "{together:?}");
+    assert!(
+        (together.standard_error.expect("is determined") / error * 2_f64.sqrt() - 1.0).abs() < 0.01,
+        "{together:?}"
+    );
+}
+
+#[test]
+fn a_bound_holds_and_is_said() {
+    let mut bounded = flags("youngs_modulus,section.b.length");
+    bounded.bounds = vec!["youngs_modulus=61 GPa to 70 GPa".to_owned()];
+    let found = fit(&problem_of(ROD, BENCH, &table(&exact()), &bounded).expect("is valid"));
+    assert!(
+        (found.parameters[0].value / 61e9 - 1.0).abs() < 1e-12 && found.parameters[0].interval_95.is_none(),
+        "{found:?}"
+    );
+    assert!(found.parameters[1].interval_95.is_some());
+    assert!(found.warnings[0].contains("lies on its bound"), "{:?}", found.warnings);
+}
+
+#[test]
+fn doubtful_data_and_values_are_said() {
+    let warned = |readings: &[f64], free: &str, words: &str| {
+        let found = fit(&problem(readings, free));
+        assert!(
+            found.warnings.iter().any(|warning| warning.contains(words)),
+            "{words}: {:?}",
+            found.warnings
+        );
+    };
+    let mut constant = exact();
+    constant.iter_mut().skip(1).step_by(2).for_each(|y| *y = -0.03);
+    warned(&constant, "youngs_modulus", "reads the same in every row");
+    let mut twice = problem(&noisy(), "youngs_modulus");
+    twice.experiment.rows[3] = twice.experiment.rows[2].clone();
+    assert!(fit(&twice).warnings.iter().any(|warning| warning.contains("row 4 repeats row 3")));
+    // a rod that is light for its readings
+    let heavy = ROD.replace("6.5 g/cm^3", "65 g/cm^3");
+    let found = fit(&problem_of(&heavy, BENCH, &table(&exact()), &flags("density")).expect("is valid"));
+    assert!(found.warnings.iter().any(|warning| warning.contains("implausible")), "{:?}", found.warnings);
+}
+
+#[test]
+fn refusals() {
+    let readings = exact();
+    let refused = |free: &str, words: &[&str]| {
+        let error = problem_of(ROD, BENCH, &table(&readings), &flags(free))
+            .and_then(|problem| calibrate(&problem, &Settings::default()).map(|_| ()))
+            .expect_err(free)
+            .to_string();
+        for word in words {
+            assert!(error.contains(word), "expected {word:?} in {error}");
+        }
+    };
+    refused(
+        "shear_modulus",
+        &["shear_modulus has no influence on what was measured", "hint: do not free it"],
+    );
+    refused("youngs_modulos", &["there is no parameter", "did you mean \"youngs_modulus\"?"]);
+    refused("length", &["is the name of 2 parameters", "section.a.length+section.b.length"]);
+    refused("density+youngs_modulus", &["ties material.wire.density to material.wire.youngs_modulus"]);
+    refused("density,material.wire.density", &["free the same quantity"]);
+    let mut few = problem(&readings, "youngs_modulus,density,section.a.length");
+    few.experiment.rows.truncate(1);
+    let error = calibrate(&few, &Settings::default()).expect_err("too few").to_string();
+    assert!(error.contains("3 free parameters, but only 2 measured coordinates"), "{error}");
+    // one row that no rod can follow
+    let mut wild = problem(&readings, "youngs_modulus");
+    wild.experiment.rows[4].inputs[0] = f64::NAN;
+    let error = calibrate(&wild, &Settings::default()).expect_err("row").to_string();
+    assert!(error.contains("row 5"), "{error}");
+}
