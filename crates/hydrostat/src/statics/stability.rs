@@ -82,23 +82,27 @@ impl<'a> SecondVariation<'a> {
 
     /// Positive for a stable equilibrium.
     pub(super) fn smallest_eigenvalue(&mut self) -> f64 {
-        let mut below = |mu: f64| self.falls_below(mu);
-        if !below(NEARLY_ONE) {
-            return 1.0;
-        }
-        let (mut low, mut high) = if below(0.0) { (-1.0, 0.0) } else { (0.0, NEARLY_ONE) };
-        while below(low) {
-            (low, high) = (2.0 * low, low);
-            if low < LOWEST {
-                return low;
-            }
-        }
-        while high - low > ACCURACY * (1.0 - low) {
-            let middle = 0.5 * (low + high);
-            if below(middle) { high = middle } else { low = middle }
-        }
-        0.5 * (low + high)
+        smallest(|mu| self.falls_below(mu))
     }
+}
+
+/// The smallest eigenvalue by bisection, theory (19); `below` tells whether one lies under a value. From nearly 1 on the answer is 1.
+pub(super) fn smallest(mut below: impl FnMut(f64) -> bool) -> f64 {
+    if !below(NEARLY_ONE) {
+        return 1.0;
+    }
+    let (mut low, mut high) = if below(0.0) { (-1.0, 0.0) } else { (0.0, NEARLY_ONE) };
+    while below(low) {
+        (low, high) = (2.0 * low, low);
+        if low < LOWEST {
+            return low;
+        }
+    }
+    while high - low > ACCURACY * (1.0 - low) {
+        let middle = 0.5 * (low + high);
+        if below(middle) { high = middle } else { low = middle }
+    }
+    0.5 * (low + high)
 }
 
 /// The gaps that tendons cross in chords, on a mesh whose own states are known.

@@ -4,6 +4,7 @@ use super::newton::{Converged, Equations, Stuck};
 use super::search::{Found, Search};
 use super::{Energy, tendons};
 use crate::Error;
+use crate::statics::stability;
 
 /// Of a shape this far from the one at which the Hessian was eliminated, under the same loads, stability is the same, rad.
 const SAME_STABILITY: f64 = 1e-2;
@@ -30,7 +31,7 @@ impl Search<'_> {
         };
         // of loads that follow there is no energy whose eigenvalues would tell
         let judges = self.settings.eigenvalue && !self.chain.follower;
-        let smallest_eigenvalue = judges.then(|| self.smallest_eigenvalue());
+        let smallest_eigenvalue = judges.then(|| stability::smallest(|mu| self.falling(-mu) != Some(0)));
         Ok(Found {
             residual,
             error_estimate,
@@ -40,29 +41,6 @@ impl Search<'_> {
             snapped_from: self.snapped_from,
             iterations: self.iterations,
         })
-    }
-
-    /// Of the Hessian scaled by the elastic stiffness, by bisection on the inertia.
-    fn smallest_eigenvalue(&mut self) -> f64 {
-        const NEARLY_ONE: f64 = 0.999;
-        const ACCURACY: f64 = 1e-7;
-        const LOWEST: f64 = -1e6;
-        let mut below = |mu: f64| self.falling(-mu) != Some(0);
-        if !below(NEARLY_ONE) {
-            return 1.0;
-        }
-        let (mut low, mut high) = if below(0.0) { (-1.0, 0.0) } else { (0.0, NEARLY_ONE) };
-        while below(low) {
-            (low, high) = (2.0 * low, low);
-            if low < LOWEST {
-                return low;
-            }
-        }
-        while high - low > ACCURACY * (1.0 - low) {
-            let middle = 0.5 * (low + high);
-            if below(middle) { high = middle } else { low = middle }
-        }
-        0.5 * (low + high)
     }
 
     /// Number of directions in which the energy with a stiffer elastic part falls while taut tendons keep their lengths; None where the
