@@ -157,7 +157,8 @@ fn input_key(column: &str, quantity: Varied) -> String {
     let unit = match quantity {
         Varied::HungMass { .. } => "kg",
         Varied::MountAngle => "rad",
-        Varied::Force { .. } => "n",
+        Varied::Force { .. } | Varied::Tension { .. } => "n",
+        Varied::Displacement { .. } => "m",
     };
     format!("{}_{unit}", column.to_lowercase().replace(|c: char| !c.is_alphanumeric(), "_"))
 }

@@ -155,6 +155,16 @@ fn bench_facts(experiment: &Experiment) -> Vec<Value> {
                     millimetres(at)
                 )
             }
+            Varied::Displacement { tendon, backlash: 0.0 } => {
+                format!("tendon {} pulled in", experiment.robot.tendons[tendon].name)
+            }
+            Varied::Displacement { tendon, backlash } => {
+                let name = &experiment.robot.tendons[tendon].name;
+                format!("tendon {name} pulled in, with a backlash of {:.2} mm", 1e3 * backlash)
+            }
+            Varied::Tension { tendon } => {
+                format!("tension of tendon {}", experiment.robot.tendons[tendon].name)
+            }
         };
         let unit = if input.unit.0.is_empty() { String::new() } else { format!(", in {}", input.unit.0) };
         facts.push(fact(&format!("varied: {}", input.column), format!("{how}{unit}")));

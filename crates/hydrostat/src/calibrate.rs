@@ -3,10 +3,14 @@
 mod fit;
 mod neighbours;
 mod parameter;
+mod part;
+mod predict;
+mod setup;
 mod statistics;
 mod verdict;
 
-pub use parameter::{Dimension, Parameter, Part, Prior};
+pub use parameter::{Parameter, Prior};
+pub use part::{Dimension, Part};
 pub use verdict::in_common;
 
 use crate::statics::Settings;

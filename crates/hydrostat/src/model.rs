@@ -116,6 +116,8 @@ pub struct Tendon {
     pub breaking_load: Option<f64>,
     /// Mass per length of its path.
     pub mass_per_length: f64,
+    /// Pulled in by so much at displacement 0, m: above 0 pretensioned, below 0 slack.
+    pub home: f64,
 }
 
 /// Where a tendon passes the cross-sections: a hole at (radius cos angle, radius sin angle) along (d1, d2). Radius and angle
@@ -286,6 +288,7 @@ impl Tendon {
         }
         let path = &self.path;
         finite("the path", [path.radius, path.tip_radius, path.angle, path.turns].iter())?;
+        finite("home", [self.home].iter())?;
         if path.radius < 0.0 || path.tip_radius < 0.0 {
             let smaller = path.radius.min(path.tip_radius);
             return Err(Error::new(format!("a hole at a radius of {smaller} m")));

@@ -3,7 +3,7 @@
 mod findings;
 mod verdict;
 
-use crate::model::{Frame, Load, LoadKind, Pose};
+use crate::model::{Command, Frame, Load, LoadKind, Motion, Pose};
 use crate::solution::Check;
 use crate::statics::{Arcs, Settings, Weight, Workspace, constant_curvature, solve_in};
 use crate::{Error, Robot};
@@ -49,6 +49,33 @@ pub enum Varied {
     MountAngle,
     /// A dead force along a unit direction given in the bench's axes, at an arc length.
     Force { at: f64, direction: Vector3<f64> },
+    /// Pulls a tendon in; after a turn its drive loses the backlash, m, before the tendon moves.
+    Displacement { tendon: usize, backlash: f64 },
+    /// Tension of a tendon at the base.
+    Tension { tendon: usize },
+}
+
+/// What an input does in a row; rows stand in the order in which they were measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Acting {
+    /// With offset and backlash.
+    pub value: f64,
+    /// Its last direction.
+    pub motion: Motion,
+}
+
+impl Varied {
+    /// Index of the tendon that it moves.
+    pub fn tendon(self) -> Option<usize> {
+        match self {
+            Varied::Displacement { tendon, .. } | Varied::Tension { tendon } => Some(tendon),
+            _ => None,
+        }
+    }
+
+    pub(crate) fn backlash(self) -> f64 {
+        if let Varied::Displacement { backlash, .. } = self { backlash } else { 0.0 }
+    }
 }
 
 /// A marked point on the backbone whose coordinates were read.
@@ -145,10 +172,10 @@ pub fn verify(experiment: &Experiment, settings: &Settings) -> Result<Verificati
     experiment.refuse_impossible_readings()?;
     let mut rows = Vec::with_capacity(experiment.rows.len());
     let mut arcs = [Vec::new(), Vec::new()];
-    for (number, row) in experiment.rows.iter().enumerate() {
+    for (number, (row, acting)) in experiment.rows.iter().zip(experiment.acting()).enumerate() {
         let in_row =
             |error: Error| error.within(&format!("row {} ({})", number + 1, experiment.inputs_of(row)));
-        let robot = experiment.robot_in(&experiment.robot, row);
+        let robot = experiment.robot_in(&experiment.robot, &acting);
         let mut workspace = Workspace::default();
         let settings = Settings { stations: SHAPE_POINTS, eigenvalue: false, ..settings.clone() };
         let shape = solve_in(&robot, &settings, &mut workspace).map_err(in_row)?;
@@ -230,11 +257,50 @@ impl Experiment {
         Ok(())
     }
 
-    /// `robot` as it was loaded and mounted in a row.
-    pub fn robot_in(&self, robot: &Robot, row: &Row) -> Robot {
+    /// What the inputs of every row do.
+    pub fn acting(&self) -> Vec<Vec<Acting>> {
+        let backlash: Vec<f64> = self.inputs.iter().map(|input| input.quantity.backlash()).collect();
+        self.acting_with(&vec![0.0; backlash.len()], &backlash)
+    }
+
+    /// The same with an offset and a backlash of each input.
+    pub(crate) fn acting_with(&self, offsets: &[f64], backlash: &[f64]) -> Vec<Vec<Acting>> {
+        let mut rows: Vec<Vec<Acting>> = Vec::with_capacity(self.rows.len());
+        for row in &self.rows {
+            let before = rows.last();
+            let act = |(i, value): (usize, &f64)| {
+                let (half, moved) = (0.5 * backlash[i], value + offsets[i]);
+                let Some(before) = before.map(|before| before[i]) else {
+                    return Acting { value: moved, motion: Motion::Pulled };
+                };
+                // theory (51)
+                let value = before.value.clamp(moved - half, moved + half);
+                let motion = match value - before.value {
+                    change if change > 0.0 => Motion::Pulled,
+                    change if change < 0.0 => Motion::Released,
+                    _ => before.motion,
+                };
+                Acting { value, motion }
+            };
+            let acting = row.inputs.iter().enumerate().map(act).collect();
+            rows.push(acting);
+        }
+        rows
+    }
+
+    /// `robot` as it was loaded, mounted and pulled in a row.
+    pub fn robot_in(&self, robot: &Robot, acting: &[Acting]) -> Robot {
         let mut robot = robot.clone();
-        for (input, &value) in self.inputs.iter().zip(&row.inputs) {
+        for (input, &Acting { value, motion }) in self.inputs.iter().zip(acting) {
             let kind = match input.quantity {
+                Varied::Displacement { tendon, .. } => {
+                    robot.actuation[tendon] = Command::Displacement { displacement: value, motion };
+                    continue;
+                }
+                Varied::Tension { tendon } => {
+                    robot.actuation[tendon] = Command::Tension { tension: value, motion };
+                    continue;
+                }
                 Varied::MountAngle => {
                     robot.base = robot.base.turned(&self.axes, value);
                     continue;
@@ -269,12 +335,12 @@ impl Experiment {
     fn predict(&self, robot: &Robot, settings: &Settings) -> Result<Vec<Vec<Vector3<f64>>>, Error> {
         let settings = Settings { stations: 0, eigenvalue: false, ..settings.clone() };
         let mut workspace = Workspace::default();
-        let predict = |row: &Row| {
-            let robot = self.robot_in(robot, row);
+        let predict = |acting: Vec<Acting>| {
+            let robot = self.robot_in(robot, &acting);
             solve_in(&robot, &settings, &mut workspace)?;
             self.points_of(&workspace, &robot)
         };
-        self.rows.iter().map(predict).collect()
+        self.acting().into_iter().map(predict).collect()
     }
 
     /// Predicted points of the solution in the workspace, bench axes.

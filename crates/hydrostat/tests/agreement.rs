@@ -32,7 +32,7 @@ fn settings(shooting_intervals: Option<usize>) -> Settings {
 /// The rod of the thesis with each mass of its table.
 fn thesis_rods() -> Vec<Robot> {
     let bench = builtin::experiment().expect("the built-in experiment is read").value;
-    bench.rows.iter().map(|row| bench.robot_in(&bench.robot, row)).collect()
+    bench.acting().iter().map(|acting| bench.robot_in(&bench.robot, acting)).collect()
 }
 
 /// Largest distance over the stations, as a part of the length.

@@ -21,6 +21,7 @@ fn robot() -> Robot {
             friction: 0.0,
             breaking_load: None,
             mass_per_length: 0.0,
+            home: 0.0,
         });
         robot.actuation.push(Command::Tension { tension: 0.0, motion: Motion::Pulled });
     }

@@ -34,8 +34,8 @@ fn the_error_and_its_estimate_are_below_the_tolerance() {
 #[test]
 fn the_benchmarked_solves_are_as_accurate_as_they_claim() {
     let bench = builtin::experiment().expect("the built-in experiment is read").value;
-    for row in &bench.rows {
-        let robot = bench.robot_in(&bench.robot, row);
+    for (row, acting) in bench.rows.iter().zip(bench.acting()) {
+        let robot = bench.robot_in(&bench.robot, &acting);
         let mut lighter = robot.clone();
         for load in &mut lighter.loads {
             if let LoadKind::Mass { mass, .. } = &mut load.kind {

@@ -1,6 +1,6 @@
 //! What the numbers mean, in words.
 
-use super::parameter::Part;
+use super::part::Part;
 use super::statistics::{SIGNIFICANCE, Statistics};
 use super::{Calibration, Estimate, Loss, Problem};
 use crate::numeric::least_squares::Evaluation;

@@ -60,12 +60,22 @@ impl<'s> Data<'s> {
         self.rows.len()
     }
 
-    /// The column that a key of the experiment file names, by its name or its whole header.
-    pub(super) fn column(&self, key: &Node, kind: &Kind) -> Result<Column, Error> {
+    /// The column that a key of the experiment file names, by its name or its whole header; `unit` is for a header without one.
+    pub(super) fn column(&self, key: &Node, kind: &Kind, unit: Option<&Node>) -> Result<Column, Error> {
         let index = self.find(key)?;
         let header = &self.headers[index];
-        let (name, unit_text) = split_header(&header.text);
-        let unit = unit_of(&header.text, kind).map_err(|error| error.at(self.place(header)))?;
+        let (name, own) = split_header(&header.text);
+        let (unit_text, unit) = match (unit, own) {
+            (None, _) => (own, unit_of(&header.text, kind).map_err(|error| error.at(self.place(header)))?),
+            (Some(node), None) => {
+                let text = node.text("a unit, such as \"mm\"")?;
+                let unit = Unit::parse(text).and_then(|unit| kind.check(&unit, text).map(|()| unit));
+                (Some(text), unit.map_err(|error| error.at(node.place()))?)
+            }
+            (Some(node), Some(own)) => {
+                return Err(node.error(format!("column \"{name}\" has its unit in the header, {own}")));
+            }
+        };
         let values = self.rows.iter().map(|row| self.number(&row[index], name, &unit));
         let values = values.collect::<Result<Vec<f64>, Error>>()?;
         let decimals = self.rows.iter().map(|row| decimals(&row[index].text)).max().unwrap_or(0);

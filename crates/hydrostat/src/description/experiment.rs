@@ -7,6 +7,7 @@ use super::load::read_arc_length;
 use super::quantity::{ANGLE, FORCE, FRACTION, Kind, LENGTH, MASS};
 use super::reader::{Entry, Node, Source, Table};
 use super::robot::{self, perpendicular};
+use super::tendon;
 use crate::Error;
 use crate::calibrate::Problem;
 use crate::model::{Pose, Robot};
@@ -27,8 +28,9 @@ pub(super) const EXPERIMENT_KEYS: &[&str] = &[
     "calibrate",
 ];
 pub(super) const BENCH_KEYS: &[&str] = &["origin", "x", "y", "mount_angle"];
-pub(super) const VARY_KEYS: &[&str] = &["quantity", "column", "at", "direction"];
-pub(super) const MEASURE_KEYS: &[&str] = &["at", "x", "y", "z", "reading_error"];
+pub(super) const VARY_KEYS: &[&str] =
+    &["quantity", "column", "unit", "at", "direction", "tendon", "backlash"];
+pub(super) const MEASURE_KEYS: &[&str] = &["at", "x", "y", "z", "unit", "reading_error"];
 pub(super) const PUBLISHED_KEYS: &[&str] = &["x", "y", "z", "error", "error_fraction", "mean_error"];
 pub(super) const VARIANT_KEYS: &[&str] = &["name", "set"];
 
@@ -78,7 +80,7 @@ fn read(
     let robot = robot::read(&robot_root, &mut warnings)?;
     let length = robot.length();
     let bench = Bench::read(&table, &robot)?;
-    let (inputs, input_columns) = read_inputs(&table, &data, length, &bench)?;
+    let (inputs, input_columns) = read_inputs(&table, &data, &robot, &bench)?;
     let (points, point_columns) = read_points(&table, &data, length)?;
     let published = table.get("published").map(|node| read_published(node, &data, &points)).transpose()?;
     let variants = read_variants(&table, &robot_root, &bench, &mut warnings)?;
@@ -172,46 +174,78 @@ impl Bench {
 fn read_inputs(
     table: &Table,
     data: &Data,
-    length: f64,
+    robot: &Robot,
     bench: &Bench,
 ) -> Result<(Vec<Input>, Vec<Column>), Error> {
     let nodes = table.get("vary").map_or(Ok(&[][..]), |node| node.tables("vary"))?;
-    let read = |node: &Node| read_input(&node.table(VARY_KEYS)?, data, length, bench);
-    let pairs = nodes.iter().map(read).collect::<Result<Vec<_>, Error>>()?;
-    Ok(pairs.into_iter().unzip())
+    let mut read: (Vec<Input>, Vec<Column>) = (Vec::new(), Vec::new());
+    for node in nodes {
+        let (input, column) = read_input(&node.table(VARY_KEYS)?, data, robot, bench)?;
+        if let Some(tendon) = input.quantity.tendon().filter(|tendon| {
+            read.0.iter().any(|other: &Input| other.quantity.tendon() == Some(*tendon))
+        }) {
+            return Err(node.error(format!("tendon \"{}\" is varied twice", robot.tendons[tendon].name)));
+        }
+        read.0.push(input);
+        read.1.push(column);
+    }
+    Ok(read)
 }
 
-fn read_input(table: &Table, data: &Data, length: f64, bench: &Bench) -> Result<(Input, Column), Error> {
-    let expected = "\"hung_mass\", \"mount_angle\" or \"force\"";
+fn read_input(table: &Table, data: &Data, robot: &Robot, bench: &Bench) -> Result<(Input, Column), Error> {
+    let expected = "\"hung_mass\", \"mount_angle\", \"force\", \"displacement\" or \"tension\"";
     let quantity = table.require("quantity", expected)?;
     let name = quantity.text(expected)?;
     let (kind, allowed): (&Kind, &[&str]) = match name {
         "hung_mass" => (&MASS, &["at"]),
         "mount_angle" => (&ANGLE, &[]),
         "force" => (&FORCE, &["at", "direction"]),
+        "displacement" => (&LENGTH, &["tendon", "backlash"]),
+        "tension" => (&FORCE, &["tendon"]),
         _ => return Err(quantity.refuse(expected)),
     };
-    for key in ["at", "direction"] {
+    for key in ["at", "direction", "tendon", "backlash"] {
         if let Some(node) = table.get(key).filter(|_| !allowed.contains(&key)) {
             return Err(node.error(format!("\"{key}\" does not apply to {name}")));
         }
     }
-    let at = || read_arc_length(table.require("at", "\"tip\" or an arc length, such as \"120 mm\"")?, length);
+    let at = || {
+        read_arc_length(table.require("at", "\"tip\" or an arc length, such as \"120 mm\"")?, robot.length())
+    };
+    let tendon = || {
+        let expected = "the name of a tendon";
+        let node = table.require("tendon", expected)?;
+        tendon::find(&robot.tendons, node.text(expected)?).map_err(|error| error.at(node.place()))
+    };
     let varied = match name {
         "hung_mass" => Varied::HungMass { at: at()? },
         "force" => Varied::Force {
             at: at()?,
             direction: table.require("direction", "three numbers, such as [0, -1, 0]")?.direction()?,
         },
+        "displacement" => Varied::Displacement {
+            tendon: tendon()?,
+            backlash: table.get("backlash").map_or(Ok(0.0), |node| node.not_negative(&LENGTH))?,
+        },
+        "tension" => Varied::Tension { tendon: tendon()? },
         _ if bench.fixed => {
             return Err(quantity.error("the mount angle is both varied here and fixed in [bench]"));
         }
         _ => Varied::MountAngle,
     };
     let key = table.require("column", "the name of a column")?;
-    let column = data.column(key, kind)?;
-    if let Some(row) = column.values.iter().position(|value| name == "hung_mass" && *value < 0.0) {
-        return Err(data.error_in(key, row, "found a negative mass, expected at least 0"));
+    let column = data.column(key, kind, table.get("unit"))?;
+    let negative = || column.values.iter().position(|value| *value < 0.0);
+    if let Some(row) = negative().filter(|_| ["hung_mass", "tension"].contains(&name)) {
+        let what = name.trim_start_matches("hung_");
+        return Err(data.error_in(key, row, &format!("found a negative {what}, expected at least 0")));
+    }
+    if let Varied::Displacement { tendon, .. } = varied {
+        let of = &robot.tendons[tendon];
+        for (row, &value) in column.values.iter().enumerate() {
+            tendon::check_displacement(value, of, robot.tendon_end(of))
+                .map_err(|error| data.error_in(key, row, &error.to_string()))?;
+        }
     }
     let input = Input {
         column: column.name.clone(),
@@ -227,7 +261,8 @@ struct Coordinates(Vec<(usize, Column)>);
 impl Coordinates {
     fn read(table: &Table, data: &Data) -> Result<Coordinates, Error> {
         let keys = AXES.iter().enumerate().filter_map(|(axis, key)| Some((axis, table.get(key)?)));
-        let columns = keys.map(|(axis, key)| Ok((axis, data.column(key, &LENGTH)?)));
+        let unit = table.get("unit");
+        let columns = keys.map(|(axis, key)| Ok((axis, data.column(key, &LENGTH, unit)?)));
         Ok(Coordinates(columns.collect::<Result<_, Error>>()?))
     }
 
@@ -273,7 +308,7 @@ fn read_published(node: &Node, data: &Data, points: &[Point]) -> Result<Publishe
         return Err(node
             .error("published predictions need the axes of the first measured point, no more and no fewer"));
     }
-    let column = |key, kind| table.get(key).map(|node| data.column(node, kind)).transpose();
+    let column = |key, kind| table.get(key).map(|node| data.column(node, kind, None)).transpose();
     let (error, fraction) = (column("error", &LENGTH)?, column("error_fraction", &FRACTION)?);
     let rounding = |column: &Option<Column>| column.as_ref().map_or(0.0, |column| column.rounding);
     let coordinate_rounding = predicted.0.iter().map(|(_, column)| column.rounding).fold(0.0, f64::max);

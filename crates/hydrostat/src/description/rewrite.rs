@@ -134,6 +134,10 @@ fn write_part(
         Part::Friction { tendon: i } => {
             put(document, &format!("{}.friction", tendon(*i)), plain(estimate.value))
         }
+        Part::Home { tendon: i } => number(document, format!("{}.home", tendon(*i)), estimate.value),
+        Part::GuideMass { section: i } => {
+            number(document, format!("{}.guides.mass", section(*i)), estimate.value)
+        }
         Part::BasePosition { .. } | Part::BaseRotation { .. } => {
             // without the mount angle of [bench], which stays in the experiment
             let turn = mounted.base.rotation * stated.base.rotation.inverse();
@@ -147,7 +151,10 @@ fn write_part(
             Ok(())
         }
         // the bench's: they stand in the note
-        Part::MountAngle | Part::MassOffset { .. } | Part::MarkerOffset { .. } => Ok(()),
+        Part::MountAngle
+        | Part::MassOffset { .. }
+        | Part::Backlash { .. }
+        | Part::MarkerOffset { .. } => Ok(()),
     }
 }
 

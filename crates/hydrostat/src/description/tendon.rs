@@ -21,6 +21,7 @@ pub(super) const TENDON_KEYS: &[&str] = &[
     "friction",
     "breaking_load",
     "mass_per_length",
+    "home",
 ];
 pub(super) const ACTUATION_KEYS: &[&str] = &["tension", "displacement", "released"];
 
@@ -87,6 +88,7 @@ fn read_tendon(
         mass_per_length: table
             .get("mass_per_length")
             .map_or(Ok(0.0), |node| node.not_negative(&MASS_PER_LENGTH))?,
+        home: table.get("home").map_or(Ok(0.0), |node| node.quantity(&LENGTH))?,
     };
     check_holes(&table, radius_node, &tendon, passed, warnings)?;
     Ok(tendon)

@@ -133,7 +133,7 @@ fn compliance(robot: &Robot, i: usize, home: f64) -> f64 {
 /// How much longer a held tendon is than its command and stretch allow.
 fn excess(robot: &Robot, i: usize, length: f64, home: f64, tension: f64) -> f64 {
     let pulled = match robot.actuation[i] {
-        Command::Displacement { displacement, .. } => displacement,
+        Command::Displacement { displacement, .. } => displacement + robot.tendons[i].home,
         Command::Tension { .. } => 0.0,
     };
     length - home + pulled - compliance(robot, i, home) * tension
@@ -144,7 +144,8 @@ fn states(robot: &Robot, tensions: &[f64], home: &[f64], lengths: &[f64]) -> Vec
         name: robot.tendons[i].name.clone(),
         tension: tensions[i],
         tip_tension: tensions[i],
-        displacement: home[i] - lengths[i] + compliance(robot, i, home[i]) * tensions[i],
+        displacement: home[i] - robot.tendons[i].home - lengths[i]
+            + compliance(robot, i, home[i]) * tensions[i],
         length: lengths[i],
         slack: tensions[i] == 0.0 && matches!(robot.actuation[i], Command::Displacement { .. }),
     };

@@ -40,6 +40,7 @@ fn pulled(length: f64, diameter: f64, youngs_modulus: f64, radius: f64, tensions
             friction: 0.0,
             breaking_load: None,
             mass_per_length: 0.0,
+            home: 0.0,
         });
         robot.actuation.push(Command::Tension { tension: *tension, motion: Motion::Pulled });
     }

@@ -404,7 +404,7 @@ impl Solution<'_> {
         };
         let tendon = |i: usize| {
             let stretch = drive.compliance(robot, i) * drive.tensions[i];
-            let displacement = drive.home[i] - drive.lengths[i] + stretch;
+            let displacement = drive.home[i] - robot.tendons[i].home - drive.lengths[i] + stretch;
             TendonDerivative { tension: drive.tensions[i], displacement, length: drive.lengths[i] }
         };
         Ok(State {

@@ -20,7 +20,8 @@ impl Energy {
             name: tendon.name.clone(),
             tension: drive.tensions[i],
             tip_tension: drive.tensions[i] * drive.end_shares.get(i).unwrap_or(&1.0),
-            displacement: drive.home[i] - drive.lengths[i] + drive.compliance(robot, i) * drive.tensions[i],
+            displacement: drive.home[i] - tendon.home - drive.lengths[i]
+                + drive.compliance(robot, i) * drive.tensions[i],
             length: drive.lengths[i],
             slack: drive.held.iter().zip(&drive.taut).any(|(held, taut)| *held == i && !taut),
         };

@@ -44,6 +44,7 @@ fn robot(routed: &[Routing]) -> Robot {
             friction: 0.0,
             breaking_load: None,
             mass_per_length: 0.2,
+            home: 0.0,
         });
         robot.actuation.push(Command::Tension { tension: 1.0 + number as f64, motion: Motion::Pulled });
     }

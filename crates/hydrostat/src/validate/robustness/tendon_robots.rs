@@ -108,6 +108,7 @@ fn add_tendons(random: &mut Random, robot: &mut Robot, radius: f64) {
             friction: 0.0,
             breaking_load: None,
             mass_per_length: 0.0,
+            home: 0.0,
         });
     }
 }
