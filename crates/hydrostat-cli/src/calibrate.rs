@@ -3,7 +3,7 @@
 use crate::text::{MM, aligned};
 use crate::{End, Outcome, files, json, warn};
 use hydrostat::Error;
-use hydrostat::calibrate::{Calibration, Loss, Problem, calibrate};
+use hydrostat::calibrate::{CalibratedRow, Calibration, Loss, Problem, calibrate};
 use hydrostat::description::{self, CalibrationFlags, Parsed, builtin};
 use hydrostat::statics::Settings;
 use hydrostat::verify::{PointError, Summary};
@@ -26,6 +26,9 @@ pub(crate) struct Args {
     /// How residuals count [default: squares]
     #[arg(long, value_enum)]
     loss: Option<LossName>,
+    /// A table like that of the experiment that the fit does not see, to tell the error of predictions
+    #[arg(long, value_name = "TABLE.csv")]
+    holdout: Option<PathBuf>,
     /// Print everything as JSON
     #[arg(long)]
     json: bool,
@@ -54,6 +57,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
         prior: args.prior.clone(),
         bounds: args.bounds.clone(),
         loss,
+        holdout: args.holdout.as_ref().map(|path| path.to_string_lossy().into_owned()),
     };
     if let Some(path) = args.write.as_deref().filter(|path| path.exists() && !args.force) {
         return Err(Error::new(format!("{} exists already and is left as it is", path.display()))
@@ -94,12 +98,23 @@ fn read(path: Option<&Path>, flags: &CalibrationFlags) -> Result<Parsed<Problem>
         return builtin::calibration(flags);
     };
     let text = files::read_text(path)?;
-    description::parse_calibration(&text, &path.to_string_lossy(), &mut linked(path), flags)
+    let held_out = flags.holdout.as_ref().map(PathBuf::from);
+    description::parse_calibration(
+        &text,
+        &path.to_string_lossy(),
+        &mut linked(path, held_out.as_deref()),
+        flags,
+    )
 }
 
-fn linked(experiment: &Path) -> impl FnMut(&str) -> Result<String, Error> {
+fn linked(experiment: &Path, held_out: Option<&Path>) -> impl FnMut(&str) -> Result<String, Error> {
     let folder = experiment.parent().unwrap_or(Path::new("")).to_owned();
-    move |file| files::read_text(&folder.join(file))
+    // a path from the command line is relative to where the user is
+    let held_out = held_out.map(Path::to_owned);
+    move |file| match &held_out {
+        Some(path) if path.as_os_str() == file => files::read_text(path),
+        _ => files::read_text(&folder.join(file)),
+    }
 }
 
 /// The robot file with the values found, and above it where they come from.
@@ -132,7 +147,7 @@ fn calibrated_robot(
             description::write_calibrated(
                 &text,
                 &path.to_string_lossy(),
-                &mut linked(path),
+                &mut linked(path, None),
                 calibration,
                 &note,
             )
@@ -163,13 +178,19 @@ fn text(done: &[(Problem, Calibration)], written: Option<&Path>) -> String {
             calibration.steps
         );
         text += &aligned(&parameters(calibration));
-        if names.len() > 1 {
+        if (2..=MOST_COLUMNS).contains(&names.len()) {
             text.push('\n');
             text += &aligned(&correlation(&names, calibration));
+        } else if names.len() > MOST_COLUMNS {
+            text.push('\n');
+            text += &aligned(&strongest(&names, calibration));
         }
         text.push('\n');
         text += &aligned(&errors(calibration));
         text.push('\n');
+        if calibration.rows.len() > MOST_ROWS {
+            let _ = writeln!(text, "The {LARGEST} rows with the largest errors; --json has all.");
+        }
         text += &aligned(&rows(problem, calibration));
         let sections = [("Verdict", &calibration.verdict), ("Warnings", &calibration.warnings)];
         for (heading, sentences) in sections.into_iter().filter(|(_, sentences)| !sentences.is_empty()) {
@@ -206,6 +227,23 @@ fn parameters(calibration: &Calibration) -> Vec<Vec<String>> {
     table
 }
 
+/// Parameters whose correlations are shown as a matrix, and pairs that are shown of more.
+const MOST_COLUMNS: usize = 8;
+const PAIRS: usize = 5;
+
+fn strongest(names: &[&str], calibration: &Calibration) -> Vec<Vec<String>> {
+    let pairs = (0..names.len()).flat_map(|i| (0..i).map(move |j| (j, i)));
+    let mut pairs: Vec<(usize, usize)> =
+        pairs.filter(|pair| calibration.correlation[*pair].is_finite()).collect();
+    let size = |pair: &(usize, usize)| calibration.correlation[*pair].abs();
+    pairs.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    let mut table = vec![vec!["strongest correlations".to_owned(), String::new(), String::new()]];
+    table.extend(pairs.iter().take(PAIRS).map(|&(i, j)| {
+        vec![names[i].to_owned(), names[j].to_owned(), format!("{:.2}", calibration.correlation[(i, j)])]
+    }));
+    table
+}
+
 fn correlation(names: &[&str], calibration: &Calibration) -> Vec<Vec<String>> {
     let mut header = vec!["correlation".to_owned()];
     header.extend(names.iter().map(|name| (*name).to_owned()));
@@ -222,12 +260,20 @@ fn correlation(names: &[&str], calibration: &Calibration) -> Vec<Vec<String>> {
 }
 
 fn errors(calibration: &Calibration) -> Vec<Vec<String>> {
-    let header = ["errors", "mean [mm]", "rms [mm]", "largest [mm]", "mean [% of length]"];
+    let header = [
+        "errors",
+        "mean [mm]",
+        "rms [mm]",
+        "rms about their mean [mm]",
+        "largest [mm]",
+        "mean [% of length]",
+    ];
     let line = |name: &str, errors: &Summary| {
         vec![
             name.to_owned(),
             format!("{:.2}", errors.mean * MM),
             format!("{:.2}", errors.rms * MM),
+            format!("{:.2}", errors.rms_without_offset * MM),
             format!("{:.2}", errors.max * MM),
             format!("{:.2}", errors.mean_fraction * 100.0),
         ]
@@ -236,15 +282,33 @@ fn errors(calibration: &Calibration) -> Vec<Vec<String>> {
     table.push(line("before", &calibration.before));
     table.push(line("calibrated", &calibration.after));
     table.extend(calibration.left_out.iter().map(|errors| line("each row from all others", errors)));
+    if let Some([before, after]) = &calibration.holdout {
+        table.extend([line("held out, before", before), line("held out, calibrated", after)]);
+    }
     table
+}
+
+/// Rows that a table shows, and those of a longer one: the largest errors.
+const MOST_ROWS: usize = 40;
+const LARGEST: usize = 10;
+
+/// Rows of the table, with their numbers.
+fn shown(calibration: &Calibration) -> Vec<(usize, &CalibratedRow)> {
+    let mut rows: Vec<(usize, &CalibratedRow)> = calibration.rows.iter().enumerate().collect();
+    if rows.len() > MOST_ROWS {
+        let largest = |row: &CalibratedRow| row.after.iter().map(|point| point.error).fold(0.0, f64::max);
+        rows.sort_by(|a, b| largest(b.1).total_cmp(&largest(a.1)));
+        rows.truncate(LARGEST);
+    }
+    rows
 }
 
 /// One line per measured point: residuals before and after.
 fn rows(problem: &Problem, calibration: &Calibration) -> Vec<Vec<String>> {
     let experiment = &problem.experiment;
     let several = experiment.points.len() > 1;
-    let mut header: Vec<String> =
-        experiment.inputs.iter().map(|input| format!("{} [{}]", input.column, input.unit.0)).collect();
+    let mut header = vec!["row".to_owned()];
+    header.extend(experiment.inputs.iter().map(|input| format!("{} [{}]", input.column, input.unit.0)));
     header.extend(several.then(|| "at [mm]".to_owned()));
     let axes: Vec<usize> =
         (0..3).filter(|axis| experiment.points.iter().any(|point| point.axes.contains(axis))).collect();
@@ -252,12 +316,12 @@ fn rows(problem: &Problem, calibration: &Calibration) -> Vec<Vec<String>> {
     header.extend(["error [mm]".to_owned(), "before [mm]".to_owned()]);
     let mut table = vec![header];
     let errors = |errors: &[PointError]| errors.iter().map(|error| error.error * MM).collect::<Vec<f64>>();
-    for row in &calibration.rows {
+    for (number, row) in shown(calibration) {
         let (after, before) = (errors(&row.after), errors(&row.before));
         for (i, point) in experiment.points.iter().enumerate() {
             let inputs = experiment.inputs.iter().zip(&row.inputs);
-            let mut cells: Vec<String> =
-                inputs.map(|(input, value)| format!("{:.2}", value / input.unit.1)).collect();
+            let mut cells = vec![(number + 1).to_string()];
+            cells.extend(inputs.map(|(input, value)| format!("{:.2}", value / input.unit.1)));
             cells.extend(several.then(|| format!("{:.1}", point.at * MM)));
             let off = row.after[i].predicted - row.after[i].observed;
             cells.extend(axes.iter().map(|axis| match point.axes.contains(axis) {

@@ -4,7 +4,7 @@ use crate::files;
 use hydrostat::calibrate::{Calibration, Problem};
 use hydrostat::model::Pose;
 use hydrostat::solution::{Check, Method, Station, TendonState};
-use hydrostat::verify::{Experiment, Summary, Varied, Verification};
+use hydrostat::verify::{Experiment, Point, PointError, Summary, Varied, Verification};
 use hydrostat::{Equilibrium, Error, Robot};
 use nalgebra::{Matrix3, Vector3};
 use serde_json::{Map, Value, json};
@@ -47,21 +47,7 @@ pub(crate) fn solution(robot: &Robot, shape: &Equilibrium, took: Duration) -> Va
 pub(crate) fn verification(experiment: &Experiment, verification: &Verification) -> Value {
     let mut rows = Vec::new();
     for row in &verification.rows {
-        for (point, measured) in row.points.iter().zip(&experiment.points) {
-            let mut object = Map::new();
-            for (input, value) in experiment.inputs.iter().zip(&row.inputs) {
-                object.insert(input_key(&input.column, input.quantity), json!(value));
-            }
-            // the axes that any point has; null where this one was not read
-            let axes = |v: &[f64]| -> Value {
-                let read = |axis: &usize| experiment.points.iter().any(|point| point.axes.contains(axis));
-                let value = |axis| if measured.axes.contains(&axis) { json!(v[axis]) } else { Value::Null };
-                (0..3).filter(read).map(value).collect()
-            };
-            object.insert("at_m".into(), json!(point.at));
-            object.insert("predicted_m".into(), axes(point.predicted.as_slice()));
-            object.insert("observed_m".into(), axes(point.observed.as_slice()));
-            object.insert("error_m".into(), json!(point.error));
+        for mut object in points(experiment, &row.inputs, &row.points) {
             object.insert("failed_checks".into(), row.failed.iter().map(check).collect());
             rows.push(Value::Object(object));
         }
@@ -85,6 +71,28 @@ pub(crate) fn verification(experiment: &Experiment, verification: &Verification)
     all.insert("findings".into(), json!(verification.findings));
     all.insert("verdict".into(), json!(verification.verdict.join(" ")));
     Value::Object(all)
+}
+
+/// A row, one object per measured point.
+fn points(experiment: &Experiment, inputs: &[f64], points: &[PointError]) -> Vec<Map<String, Value>> {
+    let object = |(point, measured): (&PointError, &Point)| {
+        let mut object = Map::new();
+        for (input, value) in experiment.inputs.iter().zip(inputs) {
+            object.insert(input_key(&input.column, input.quantity), json!(value));
+        }
+        // the axes that any point has; null where this one was not read
+        let axes = |v: &[f64]| -> Value {
+            let read = |axis: &usize| experiment.points.iter().any(|point| point.axes.contains(axis));
+            let value = |axis| if measured.axes.contains(&axis) { json!(v[axis]) } else { Value::Null };
+            (0..3).filter(read).map(value).collect()
+        };
+        object.insert("at_m".into(), json!(point.at));
+        object.insert("predicted_m".into(), axes(point.predicted.as_slice()));
+        object.insert("observed_m".into(), axes(point.observed.as_slice()));
+        object.insert("error_m".into(), json!(point.error));
+        object
+    };
+    points.iter().zip(&experiment.points).map(object).collect()
 }
 
 /// `calibrate --json`; calibrations after the first stand under `further`.
@@ -128,7 +136,15 @@ fn of_calibration(problem: &Problem, calibration: &Calibration) -> Map<String, V
         "left_out".into(),
         calibration.left_out.as_ref().map_or(Value::Null, |errors| Value::Object(summary(errors))),
     );
-    all.insert("holdout".into(), Value::Null);
+    let held_out = calibration.holdout.as_ref().map(|[before, after]| {
+        let mut errors = summary(after);
+        errors.insert("before".into(), Value::Object(summary(before)));
+        Value::Object(errors)
+    });
+    all.insert("holdout".into(), held_out.unwrap_or(Value::Null));
+    let rows = calibration.rows.iter();
+    let rows = rows.flat_map(|row| points(&problem.experiment, &row.inputs, &row.after)).map(Value::Object);
+    all.insert("rows".into(), rows.collect());
     all.insert("verdict".into(), json!(calibration.verdict));
     all.insert("warnings".into(), json!(calibration.warnings));
     all
@@ -149,6 +165,8 @@ fn summary(errors: &Summary) -> Map<String, Value> {
         ("max_error_m".to_owned(), json!(errors.max)),
         ("mean_error_percent".to_owned(), json!(errors.mean_fraction * 100.0)),
         ("rms_in_reading_errors".to_owned(), json!(errors.in_reading_errors)),
+        ("mean_offset_m".to_owned(), json!(errors.offset.as_slice())),
+        ("rms_without_offset_m".to_owned(), json!(errors.rms_without_offset)),
     ])
 }
 

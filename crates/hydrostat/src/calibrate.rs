@@ -14,7 +14,7 @@ pub use part::{Dimension, Part};
 pub use verdict::in_common;
 
 use crate::statics::Settings;
-use crate::verify::{Experiment, PointError, Summary, systematic};
+use crate::verify::{Experiment, PointError, Row, Summary, systematic};
 use crate::{Error, Robot};
 use fit::Fit;
 use nalgebra::{DMatrix, DVector};
@@ -26,6 +26,8 @@ pub struct Problem {
     pub experiment: Experiment,
     pub parameters: Vec<Parameter>,
     pub loss: Loss,
+    /// Rows like those of the experiment that the fit does not see; may be empty.
+    pub holdout: Vec<Row>,
 }
 
 /// How a residual counts.
@@ -66,6 +68,8 @@ pub struct Calibration {
     pub systematic: Option<bool>,
     /// Errors of each row as predicted by a fit to all others; None where a row alone determines a parameter.
     pub left_out: Option<Summary>,
+    /// Errors of the rows that were held out: as the files have the robot, and calibrated.
+    pub holdout: Option<[Summary; 2]>,
     /// In words: goodness of fit, systematic residuals, what the data can tell.
     pub verdict: Vec<String>,
     /// In words: what to doubt.
@@ -199,7 +203,12 @@ pub fn calibrate(problem: &Problem, settings: &Settings) -> Result<Calibration, 
             }),
         }
     });
+    let holdout = (!problem.holdout.is_empty()).then(|| {
+        let lengths = [experiment.robot.length(), robot.length()];
+        held_out(problem, settings, [&fit.start, &values], lengths)
+    });
     let mut calibration = Calibration {
+        holdout: holdout.transpose()?,
         parameters: parameters.collect(),
         correlation: statistics.correlation(),
         before: summary(experiment.robot.length(), &|row| row.before.clone()),
@@ -223,6 +232,26 @@ pub fn calibrate(problem: &Problem, settings: &Settings) -> Result<Calibration, 
     calibration.verdict.splice(1..1, verdict::follows(runs, alike));
     calibration.warnings = verdict::warnings(problem, &calibration, &statistics, &at, &minimum.held);
     Ok(calibration)
+}
+
+/// Errors of the rows that were held out, with each of two sets of values.
+fn held_out(
+    problem: &Problem,
+    settings: &Settings,
+    values: [&[f64]; 2],
+    lengths: [f64; 2],
+) -> Result<[Summary; 2], Error> {
+    let mut unseen = problem.clone();
+    unseen.experiment.rows = std::mem::take(&mut unseen.holdout);
+    unseen.experiment.refuse_impossible_readings().map_err(|error| error.within("held out"))?;
+    let experiment = &unseen.experiment;
+    let errors = |i: usize| -> Result<Summary, Error> {
+        let points = Fit::new(&unseen, settings)?.points(values[i])?;
+        let rows = experiment.rows.iter().zip(&points);
+        Ok(experiment.summary(lengths[i], rows.flat_map(|(row, points)| experiment.differences(row, points))))
+    };
+    let both = errors(0).and_then(|before| Ok([before, errors(1)?]));
+    both.map_err(|error| error.within("held out"))
 }
 
 /// Where a fit of this problem starts: the values of the files, within their bounds, SI.

@@ -162,6 +162,10 @@ pub struct Summary {
     pub mean_fraction: f64,
     /// Root mean square over all coordinates of error / reading error.
     pub in_reading_errors: f64,
+    /// Mean of predicted less observed, bench axes, m.
+    pub offset: Vector3<f64>,
+    /// Root mean square error after that offset is taken away, m.
+    pub rms_without_offset: f64,
 }
 
 /// Solves every row and compares.
@@ -386,6 +390,7 @@ impl Experiment {
     pub(crate) fn summary(&self, length: f64, errors: impl Iterator<Item = PointError>) -> Summary {
         let (mut count, mut coordinates) = (0.0, 0.0);
         let (mut sum, mut squares, mut max, mut weighted) = (0.0, 0.0, 0.0_f64, 0.0);
+        let mut offset = Vector3::zeros();
         for (error, point) in errors.zip(self.points.iter().cycle()) {
             count += 1.0;
             coordinates += point.axes.len() as f64;
@@ -393,13 +398,17 @@ impl Experiment {
             squares += error.error.powi(2);
             max = max.max(error.error);
             weighted += (error.error / point.reading_error).powi(2);
+            offset += error.predicted - error.observed;
         }
+        offset /= count;
         Summary {
             mean: sum / count,
             rms: (squares / count).sqrt(),
             max,
             mean_fraction: sum / count / length,
             in_reading_errors: (weighted / coordinates).sqrt(),
+            offset,
+            rms_without_offset: (squares / count - offset.norm_squared()).max(0.0).sqrt(),
         }
     }
 }

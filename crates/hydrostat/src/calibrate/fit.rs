@@ -10,8 +10,12 @@ use crate::verify::Experiment;
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
 
-/// Of the length: what a solution leaves must be far below what a step of the fit changes.
-const TOLERANCE: f64 = 1e-10;
+/// Error of a solution over the smallest reading error: far below what any step of the fit changes.
+const TOLERANCE: f64 = 1e-4;
+/// Of the length; less is lost to rounding.
+const FINEST: f64 = 1e-10;
+/// Part of the cost that a last step would still take away: a thousandth of a standard error of any parameter, at most.
+const CONVERGED: f64 = 1e-10;
 /// A cost, in squares of reading errors, that nobody sees.
 const NEGLIGIBLE: f64 = 1e-12;
 
@@ -43,7 +47,9 @@ impl<'a> Fit<'a> {
             .zip(&start)
             .map(|(parameter, &value)| parameter.parts[0].scale(experiment, value));
         let scale = scale.collect();
-        let tolerance = settings.tolerance.min(TOLERANCE);
+        let finest = experiment.points.iter().map(|point| point.reading_error).fold(f64::INFINITY, f64::min);
+        let wanted = (TOLERANCE * finest / experiment.robot.length()).max(FINEST);
+        let tolerance = settings.tolerance.min(wanted);
         let settings = statics::Settings { stations: 0, eigenvalue: false, tolerance, ..settings.clone() };
         let workspaces = vec![Workspace::default(); experiment.rows.len()];
         Ok(Fit { problem, base, start, scale, settings, workspaces })
@@ -116,7 +122,8 @@ impl<'a> Fit<'a> {
             Loss::Squares => least_squares::Loss::Squares,
             Loss::Huber => least_squares::Loss::Huber { threshold: super::HUBER_THRESHOLD },
         };
-        let settings = least_squares::Settings { negligible: NEGLIGIBLE, ..Default::default() };
+        let settings =
+            least_squares::Settings { tolerance: CONVERGED, negligible: NEGLIGIBLE, ..Default::default() };
         least_squares::minimize(from, &bounds, loss, &settings, &mut |x| self.evaluate(x, error_scale))
     }
 

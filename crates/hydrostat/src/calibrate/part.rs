@@ -273,9 +273,7 @@ impl Part {
             }
             Part::Friction { tendon } => robot.tendons[*tendon].friction,
             Part::Home { tendon } => robot.tendons[*tendon].home,
-            Part::GuideMass { section } => {
-                robot.sections[*section].guides.as_ref().ok_or_else(missing)?.mass
-            }
+            Part::GuideMass { section } => robot.sections[*section].guides.as_ref().ok_or_else(missing)?.mass,
             Part::Backlash { input } => setup.backlash[*input],
             Part::BasePosition { axis } => robot.base.position[*axis],
             Part::BaseRotation { axis } => setup.turn[*axis],

@@ -126,9 +126,11 @@ impl<'a> Trial<'a> {
                 }
                 sum
             }
-            Way::Points(offsets) => {
-                offsets.iter().zip(&rotations).map(|(offset, rotation)| inverse * (rotation * offset)).collect()
-            }
+            Way::Points(offsets) => offsets
+                .iter()
+                .zip(&rotations)
+                .map(|(offset, rotation)| inverse * (rotation * offset))
+                .collect(),
         });
         Ok(Predicted { derivatives: derivatives.collect(), points })
     }

@@ -39,12 +39,23 @@ impl Setup {
             for (parameter, &value) in parameters.iter().zip(values) {
                 for part in &parameter.parts {
                     if matches!(part, Part::ShearModulus { .. }) == shear {
-                        part.set(&mut setup, value);
+                        part.set(&mut setup, self.tied(&parameter.parts[0], part, value));
                     }
                 }
             }
         }
         setup
+    }
+
+    /// Value of a part whose tie has this value: as the files have them, tied parts keep their ratios, and their differences where any
+    /// sign is possible.
+    fn tied(&self, first: &Part, part: &Part, value: f64) -> f64 {
+        match (first.get(self), part.get(self)) {
+            (Ok(a), Ok(b)) if a == b => value,
+            (Ok(a), Ok(b)) if first.lowest().is_none() => value + (b - a),
+            (Ok(a), Ok(b)) if a > 0.0 => value * b / a,
+            _ => value,
+        }
     }
 
     /// What the inputs of every row do.

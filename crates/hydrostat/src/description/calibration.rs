@@ -5,9 +5,9 @@ use super::reader::{Node, Table, Value};
 use super::unit::quoted;
 use crate::Error;
 use crate::calibrate::{Loss, Parameter, Prior, Problem};
-use crate::verify::Experiment;
+use crate::verify::{Experiment, Row};
 
-pub(super) const CALIBRATE_KEYS: &[&str] = &["free", "prior", "bounds", "loss"];
+pub(super) const CALIBRATE_KEYS: &[&str] = &["free", "prior", "bounds", "loss", "holdout"];
 
 /// What the flags say; what they leave empty is the file's.
 #[derive(Clone, Debug, Default)]
@@ -19,6 +19,8 @@ pub struct CalibrationFlags {
     /// Such as `length=380 mm to 400 mm`.
     pub bounds: Vec<String>,
     pub loss: Option<Loss>,
+    /// A table like that of the experiment that the fit does not see, by its path relative to the experiment file.
+    pub holdout: Option<String>,
 }
 
 /// `[calibrate]` as far as it can be read without flags.
@@ -26,11 +28,22 @@ pub struct CalibrationFlags {
 pub(super) struct Wanted {
     parameters: Vec<Parameter>,
     loss: Loss,
+    holdout: Vec<Row>,
 }
 
-pub(super) fn read(experiment: &Experiment, table: &Table) -> Result<Wanted, Error> {
+/// The path of the table that is held out.
+pub(super) fn holdout<'t>(table: &'t Table, flags: &'t CalibrationFlags) -> Result<Option<&'t str>, Error> {
+    if flags.holdout.is_some() {
+        return Ok(flags.holdout.as_deref());
+    }
+    let Some(node) = table.get("calibrate") else { return Ok(None) };
+    let node = node.table(CALIBRATE_KEYS)?.get("holdout");
+    node.map(|node| node.text("a table, such as \"holdout.csv\"")).transpose()
+}
+
+pub(super) fn read(experiment: &Experiment, table: &Table, holdout: Vec<Row>) -> Result<Wanted, Error> {
     let Some(node) = table.get("calibrate") else {
-        return Ok(Wanted::default());
+        return Ok(Wanted { holdout, ..Wanted::default() });
     };
     let table = node.table(CALIBRATE_KEYS)?;
     let expected = "a list of parameters, such as [\"youngs_modulus\"]";
@@ -57,7 +70,7 @@ pub(super) fn read(experiment: &Experiment, table: &Table) -> Result<Wanted, Err
         Some((_, Value::Text(text))) if text == "huber" => Loss::Huber,
         Some((node, _)) => return Err(node.refuse("\"squares\" or \"huber\"")),
     };
-    Ok(Wanted { parameters, loss })
+    Ok(Wanted { parameters, loss, holdout })
 }
 
 type SetText = fn(&mut Parameter, &str) -> Result<(), Error>;
@@ -98,7 +111,7 @@ pub(super) fn problem(
         }
     }
     let loss = flags.loss.unwrap_or(wanted.loss);
-    Ok(Problem { experiment, parameters: wanted.parameters, loss })
+    Ok(Problem { experiment, parameters: wanted.parameters, loss, holdout: wanted.holdout })
 }
 
 fn find<'p>(parameters: &'p mut [Parameter], name: &str) -> Result<&'p mut Parameter, Error> {

@@ -42,7 +42,7 @@ pub fn parse_experiment(
     file: &str,
     load: &mut dyn FnMut(&str) -> Result<String, Error>,
 ) -> Result<Parsed<Experiment>, Error> {
-    let Parsed { value: (experiment, _), warnings } = read(text, file, load)?;
+    let Parsed { value: (experiment, _), warnings } = read(text, file, load, &CalibrationFlags::default())?;
     Ok(Parsed { value: experiment, warnings })
 }
 
@@ -53,7 +53,7 @@ pub fn parse_calibration(
     load: &mut dyn FnMut(&str) -> Result<String, Error>,
     flags: &CalibrationFlags,
 ) -> Result<Parsed<Problem>, Error> {
-    let Parsed { value: (experiment, wanted), warnings } = read(text, file, load)?;
+    let Parsed { value: (experiment, wanted), warnings } = read(text, file, load, flags)?;
     Ok(Parsed { value: calibration::problem(experiment, wanted, flags)?, warnings })
 }
 
@@ -61,6 +61,7 @@ fn read(
     text: &str,
     file: &str,
     load: &mut dyn FnMut(&str) -> Result<String, Error>,
+    flags: &CalibrationFlags,
 ) -> Result<Parsed<(Experiment, Wanted)>, Error> {
     let source = Source::new(file, text);
     let root = source.parse()?;
@@ -84,9 +85,17 @@ fn read(
     let (points, point_columns) = read_points(&table, &data, length)?;
     let published = table.get("published").map(|node| read_published(node, &data, &points)).transpose()?;
     let variants = read_variants(&table, &robot_root, &bench, &mut warnings)?;
-    let row = |i: usize| Row {
-        inputs: input_columns.iter().map(|column| column.values[i]).collect(),
-        observed: point_columns.iter().map(|columns| columns.position(i)).collect(),
+    let rows = rows(data.rows(), &input_columns, &point_columns);
+    let holdout = match calibration::holdout(&table, flags)? {
+        None => Vec::new(),
+        Some(path) => {
+            let held_out = Linked::fetch(path, file, load)?;
+            let source = Source::new(&held_out.name, &held_out.text);
+            let data = Data::parse(&source)?;
+            let (_, inputs) = read_inputs(&table, &data, &robot, &bench)?;
+            let (_, points) = read_points(&table, &data, length)?;
+            self::rows(data.rows(), &inputs, &points)
+        }
     };
     let experiment = Experiment {
         name: name.to_string(),
@@ -95,11 +104,11 @@ fn read(
         axes: bench.axes,
         inputs,
         points,
-        rows: (0..data.rows()).map(row).collect(),
+        rows,
         published,
         variants,
     };
-    let wanted = calibration::read(&experiment, &table)?;
+    let wanted = calibration::read(&experiment, &table, holdout)?;
     Ok(Parsed { value: (experiment, wanted), warnings })
 }
 
@@ -119,12 +128,29 @@ impl Linked {
     ) -> Result<Linked, Error> {
         let node = table.require(key, expected)?;
         let path = node.text(expected)?;
+        Linked::fetch(path, file, load).map_err(|error| error.or_at(|| node.place()))
+    }
+
+    /// A path relative to the experiment file.
+    fn fetch(
+        path: &str,
+        file: &str,
+        load: &mut dyn FnMut(&str) -> Result<String, Error>,
+    ) -> Result<Linked, Error> {
         let folder = file.rfind(['/', '\\']).map_or("", |slash| &file[..=slash]);
         Ok(Linked {
             name: if path.starts_with('/') { path.to_string() } else { format!("{folder}{path}") },
-            text: load(path).map_err(|error| error.or_at(|| node.place()))?,
+            text: load(path)?,
         })
     }
+}
+
+fn rows(count: usize, inputs: &[Column], points: &[Coordinates]) -> Vec<Row> {
+    let row = |i: usize| Row {
+        inputs: inputs.iter().map(|column| column.values[i]).collect(),
+        observed: points.iter().map(|columns| columns.position(i)).collect(),
+    };
+    (0..count).map(row).collect()
 }
 
 /// Puts the values of `set` into the robot's table.
@@ -181,9 +207,11 @@ fn read_inputs(
     let mut read: (Vec<Input>, Vec<Column>) = (Vec::new(), Vec::new());
     for node in nodes {
         let (input, column) = read_input(&node.table(VARY_KEYS)?, data, robot, bench)?;
-        if let Some(tendon) = input.quantity.tendon().filter(|tendon| {
-            read.0.iter().any(|other: &Input| other.quantity.tendon() == Some(*tendon))
-        }) {
+        if let Some(tendon) = input
+            .quantity
+            .tendon()
+            .filter(|tendon| read.0.iter().any(|other: &Input| other.quantity.tendon() == Some(*tendon)))
+        {
             return Err(node.error(format!("tendon \"{}\" is varied twice", robot.tendons[tendon].name)));
         }
         read.0.push(input);

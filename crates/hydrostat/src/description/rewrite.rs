@@ -151,10 +151,9 @@ fn write_part(
             Ok(())
         }
         // the bench's: they stand in the note
-        Part::MountAngle
-        | Part::MassOffset { .. }
-        | Part::Backlash { .. }
-        | Part::MarkerOffset { .. } => Ok(()),
+        Part::MountAngle | Part::MassOffset { .. } | Part::Backlash { .. } | Part::MarkerOffset { .. } => {
+            Ok(())
+        }
     }
 }
 

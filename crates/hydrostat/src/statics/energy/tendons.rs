@@ -82,7 +82,9 @@ impl Drive {
     /// How much longer a held tendon is than its command and stretch allow.
     pub(super) fn excess(&self, robot: &Robot, tendon: usize, factor: f64) -> f64 {
         let pulled = match robot.actuation[tendon] {
-            Command::Displacement { displacement, .. } => factor * (displacement + robot.tendons[tendon].home),
+            Command::Displacement { displacement, .. } => {
+                factor * (displacement + robot.tendons[tendon].home)
+            }
             Command::Tension { .. } => 0.0,
         };
         self.lengths[tendon] - self.home[tendon] + pulled
