@@ -7,6 +7,7 @@
 
 mod at_once;
 mod chords;
+mod convex;
 mod derivatives;
 mod factor;
 mod following;
