@@ -52,7 +52,7 @@ impl Front<'_> {
                     if self.symmetric { (row[i].tr_mul(&inverse), i) } else { (other[p] * inverse, p + 1) };
                 other[p] = factor;
                 for (entry, top) in other[first..].iter_mut().zip(&row[first..]) {
-                    *entry -= factor * top;
+                    subtract_product(entry, &factor, top);
                 }
             }
         }
@@ -64,6 +64,18 @@ impl Front<'_> {
         }
         Some(negative)
     }
+}
+
+/// `entry -= a b`. A call of its own: inlined into loops over blocks, the compiler makes vectors across blocks, which is slower.
+#[inline(never)]
+fn subtract_product(entry: &mut Matrix3<f64>, a: &Matrix3<f64>, b: &Matrix3<f64>) {
+    let [a0, a1, a2] = &a.data.0;
+    let less = |c: &[f64; 3], [x, y, z]: &[f64; 3]| {
+        let at = |i: usize| c[i] - (a0[i] * x + a1[i] * y + a2[i] * z);
+        [at(0), at(1), at(2)]
+    };
+    let (c, b) = (&entry.data.0, &b.data.0);
+    entry.data.0 = [less(&c[0], &b[0]), less(&c[1], &b[1]), less(&c[2], &b[2])];
 }
 
 /// Carries a right-hand side through [`Front::eliminate`]: afterwards its last entries are those of what is left.

@@ -2,8 +2,11 @@
 
 use super::newton::{Converged, Equations};
 use super::search::{LARGEST_TURN, ON_THE_WAY, Search};
-use super::{Energy, Memory};
+use super::{Energy, Memory, Smooth};
+use crate::Robot;
+use crate::model::{Frame, Load, LoadKind, Routing};
 use crate::numeric::collocation::FEWEST;
+use nalgebra::Vector3;
 
 /// Points that the first shape has less, and its accuracy.
 const POINTS_LESS: usize = 2;
@@ -14,26 +17,32 @@ impl Search<'_> {
     /// equilibrium without loads, as its energy is convex in the strains. False where that does not surely lead to a stable shape
     /// nearby.
     pub(super) fn start_at_once(&mut self) -> bool {
+        let Some(more) = self.start_on_few_points() else { return false };
+        if more {
+            self.first_layout();
+            self.relay();
+        }
+        !more
+            || self.newton(1.0, ON_THE_WAY.min(self.settings.tolerance)).is_ok_and(|end| self.is_nearby(&end))
+    }
+
+    /// Returns whether the first mesh has more points; None where no shape nearby was found.
+    fn start_on_few_points(&mut self) -> Option<bool> {
         self.first_layout();
         let few = |points: usize| (points - POINTS_LESS).max(FEWEST);
         let more = self.energy.layouts.iter().any(|layout| few(layout.points) < layout.points);
         self.energy.layouts.iter_mut().for_each(|layout| layout.points = few(layout.points));
         self.lay();
-        self.bend_by_tendons();
-        let target = if more { ROUGH } else { ON_THE_WAY };
-        let nearby = |search: &Self, end: &Converged| {
-            let turn = search.energy.coarse.largest_turn(&search.energy.tables);
-            end.negative == 0 && turn <= LARGEST_TURN && !search.strayed(end)
-        };
-        let Ok(end) = self.newton(1.0, target) else { return false };
-        if !nearby(self, &end) {
-            return false;
+        if !self.bend_as_in_channels() {
+            self.bend_by_tendons();
         }
-        if more {
-            self.first_layout();
-            self.relay();
-        }
-        !more || self.newton(1.0, ON_THE_WAY.min(self.settings.tolerance)).is_ok_and(|end| nearby(self, &end))
+        let end = self.newton(1.0, if more { ROUGH } else { ON_THE_WAY }).ok()?;
+        self.is_nearby(&end).then_some(more)
+    }
+
+    fn is_nearby(&self, end: &Converged) -> bool {
+        let turn = self.energy.coarse.largest_turn(&self.energy.tables);
+        end.negative == 0 && turn <= LARGEST_TURN && !self.strayed(end)
     }
 
     /// Places the coarse mesh as bent by the tendons, with the tensions that a first step finds for those held.
@@ -53,4 +62,52 @@ impl Search<'_> {
         memory.sweep.place(coarse, tables);
         reached.rotations.clone_from(&coarse.rotations);
     }
+
+    /// Places a mesh with chords as the same robot with its tendons in channels would be, which takes few panels. False without
+    /// chords, or where that shape was not found.
+    fn bend_as_in_channels(&mut self) -> bool {
+        if self.energy.coarse.chords.is_empty() {
+            return false;
+        }
+        let robot = in_channels(self.robot);
+        let mut smooth = self.energy.smooth.take().unwrap_or_default();
+        let Smooth { chain, energy } = &mut *smooth;
+        chain.rebuild(&robot);
+        let mut search = Search::new(energy, &robot, chain, self.settings);
+        let found = search.start_on_few_points().is_some();
+        self.iterations += search.iterations;
+        if found {
+            let Energy { tables, coarse, reached, memory, .. } = &mut *self.energy;
+            coarse.prolong(&energy.coarse, tables);
+            memory.drive.tensions.clone_from(&energy.memory.drive.tensions);
+            memory.drive.taut.clone_from(&energy.memory.drive.taut);
+            memory.sweep.place(coarse, tables);
+            reached.rotations.clone_from(&coarse.rotations);
+        }
+        self.energy.smooth = Some(smooth);
+        found
+    }
+}
+
+/// The robot with all tendons in channels and the weight of its guides spread over their sections.
+fn in_channels(robot: &Robot) -> Robot {
+    let mut smooth = robot.clone();
+    smooth.tendons.iter_mut().for_each(|tendon| tendon.routing = Routing::Channel);
+    let mut from = 0.0;
+    for section in &mut smooth.sections {
+        let to = from + section.length;
+        if let Some(guides) = section.guides.take() {
+            let mass = guides.mass * guides.positions.len() as f64;
+            let kind = LoadKind::Distributed {
+                from,
+                to,
+                force_per_length: mass / section.length * robot.gravity,
+                moment_per_length: Vector3::zeros(),
+                frame: Frame::World,
+            };
+            smooth.loads.push(Load { name: None, kind });
+        }
+        from = to;
+    }
+    smooth
 }

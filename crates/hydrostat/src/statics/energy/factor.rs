@@ -3,7 +3,7 @@
 use super::following::PanelParts;
 use super::mesh::{Mesh, Panel};
 use super::node::{self, Acting, Linearised, Local};
-use super::sweep::{Column, End, GAP, GAP_PIVOTS, IN_GAP, Problem, Sweep};
+use super::sweep::{Column, End, PanelFront, Problem, STATE, Sweep};
 use crate::geometry::hat;
 use crate::numeric::blocks::{Front, symmetric};
 use crate::numeric::collocation::Collocation;
@@ -12,31 +12,35 @@ use nalgebra::{Matrix3, Vector3};
 use std::ops::{Index, IndexMut};
 
 /// What has been eliminated beyond a cut, as a quadratic form in the rotation of the cut and, in a gap, in nu, d and the rotation
-/// of the gap's first plate, and the following force there as a linear function of them. Of a symmetric form only the blocks on
-/// and above the diagonal count.
+/// of the gap's first plate, in the order of a front, and the following force there as a linear function of them. Of a symmetric form only
+/// the blocks on and above the diagonal count.
 #[derive(Clone, Copy, Default)]
-struct Carried([Matrix3<f64>; (IN_GAP + 1) * IN_GAP]);
+pub(super) struct Carried([Matrix3<f64>; (STATE + 1) * STATE]);
 
-/// Row of the following force.
-const FOLLOWING: usize = IN_GAP;
+/// Rows and columns of what is carried, and the row of the following force.
+pub(super) const NU: usize = 0;
+pub(super) const D: usize = 1;
+pub(super) const ROTATION: usize = 2;
+pub(super) const FIRST_PLATE: usize = 3;
+pub(super) const FOLLOWING: usize = STATE;
 
 impl Index<(usize, usize)> for Carried {
     type Output = Matrix3<f64>;
 
     fn index(&self, (row, column): (usize, usize)) -> &Matrix3<f64> {
-        &self.0[row * IN_GAP + column]
+        &self.0[row * STATE + column]
     }
 }
 
 impl IndexMut<(usize, usize)> for Carried {
     fn index_mut(&mut self, (row, column): (usize, usize)) -> &mut Matrix3<f64> {
-        &mut self.0[row * IN_GAP + column]
+        &mut self.0[row * STATE + column]
     }
 }
 
 impl Carried {
     fn following(&self) -> &[Matrix3<f64>] {
-        &self.0[FOLLOWING * IN_GAP..]
+        &self.0[FOLLOWING * STATE..]
     }
 }
 
@@ -94,24 +98,6 @@ impl Sweep {
         residual * unit
     }
 
-    /// Forces of the chords on the plates of their gaps, theory (33).
-    fn pull_chords(&mut self, problem: &Problem, mesh: &Mesh, gradient: &mut Column) {
-        self.gaps.resize_with(mesh.gaps.len(), Default::default);
-        for (number, (gap, front)) in mesh.gaps.iter().zip(&mut self.gaps).enumerate() {
-            (front.force, front.first_plate, front.second_plate) = Default::default();
-            let [first, second] = [&mesh.rotations[gap.panels.start], &mesh.rotations[gap.panels.end]];
-            let chords = gap.chords.clone();
-            for (chord, (direction, _)) in mesh.chords[chords.clone()].iter().zip(&self.spans[chords]) {
-                let pull = problem.tensions[chord.tendon] * chord.share * direction;
-                front.force -= pull;
-                front.first_plate -= chord.holes[0].cross(&first.tr_mul(&pull));
-                front.second_plate += chord.holes[1].cross(&second.tr_mul(&pull));
-            }
-            // the energy's slope in d is what the chords carry, and closes by itself
-            gradient.gaps[number][1] = front.first_plate;
-        }
-    }
-
     /// Eliminates the Hessian at the shape of [`Sweep::gradient`], with `shift` times the elastic part added. Returns the
     /// number of directions in which the energy falls; None where the elimination broke down.
     pub(super) fn factor(&mut self, problem: &Problem, mesh: &Mesh, shift: f64) -> Option<usize> {
@@ -121,15 +107,12 @@ impl Sweep {
         for k in (0..mesh.panels.len()).rev() {
             let panel = &mesh.panels[k];
             if panel.ends_span {
-                carried[(0, 0)] += point_loads(problem, mesh, k).1;
+                carried[(ROTATION, ROTATION)] += point_loads(problem, mesh, k).1;
             }
             if let Some(gap) = panel.gap.filter(|gap| mesh.gaps[*gap].panels.end == k + 1) {
-                self.enter_gap(problem, mesh, gap, &mut carried);
+                self.bend_chords(problem, mesh, gap, &mut carried);
             }
             negative += self.eliminate_panel(problem, mesh, k, shift, &mut carried)?;
-            if let Some(gap) = panel.gap.filter(|gap| mesh.gaps[*gap].panels.start == k) {
-                negative += self.leave_gap(problem, mesh, gap, &mut carried)?;
-            }
         }
         // every gap's nu is a multiplier, with three negative pivots of its own
         let multipliers = 3 * mesh.gaps.iter().filter(|gap| !gap.panels.is_empty()).count();
@@ -142,42 +125,7 @@ impl Sweep {
         Some(negative)
     }
 
-    /// The chords at the end of their gap: energy tau |c| with c from hole to hole, theory (33).
-    fn enter_gap(&self, problem: &Problem, mesh: &Mesh, number: usize, carried: &mut Carried) {
-        let gap = &mesh.gaps[number];
-        let [first, second] = [&mesh.rotations[gap.panels.start], &mesh.rotations[gap.panels.end]];
-        carried[(1, 2)] += Matrix3::identity();
-        carried[(2, 1)] += Matrix3::identity();
-        let chords = gap.chords.clone();
-        for (chord, (t, length)) in mesh.chords[chords.clone()].iter().zip(&self.spans[chords]) {
-            let tension = problem.tensions[chord.tendon] * chord.share;
-            if tension == 0.0 {
-                continue;
-            }
-            // (I - t t^T) tau/|c| between the changes of c by the second plate, by d and by the first plate
-            let across = (Matrix3::identity() - t * t.transpose()) * (tension / length);
-            let (pull_first, pull_second) = (first.tr_mul(&(tension * t)), second.tr_mul(&(tension * t)));
-            let [hole_first, hole_second] = chord.holes.map(|hole| hat(&hole));
-            let by_second = -(second * hole_second);
-            let by_first = first * hole_first;
-            let (across_second, across_first) = (across * by_second, across * by_first);
-            let of_first_second = by_second.tr_mul(&across_first);
-            carried[(0, 0)] +=
-                by_second.tr_mul(&across_second) + symmetric(&(hat(&pull_second) * hole_second));
-            carried[(0, 2)] += across_second.transpose();
-            carried[(0, 3)] += of_first_second;
-            carried[(2, 2)] += across;
-            carried[(2, 3)] += across_first;
-            carried[(3, 3)] += by_first.tr_mul(&across_first) - symmetric(&(hat(&pull_first) * hole_first));
-            if !problem.chain.symmetric {
-                carried[(2, 0)] += across_second;
-                carried[(3, 0)] += of_first_second.transpose();
-                carried[(3, 2)] += across_first.transpose();
-            }
-        }
-    }
-
-    /// Adds what is carried from beyond to the model of a panel, and eliminates its turns.
+    /// Adds what is carried from beyond to the model of a panel and eliminates its turns, at the start of a gap nu and d, too.
     fn eliminate_panel(
         &mut self,
         problem: &Problem,
@@ -187,24 +135,28 @@ impl Sweep {
         carried: &mut Carried,
     ) -> Option<usize> {
         let panel = &mesh.panels[k];
-        let (points, of) = (panel.nodes.len(), &self.panels[k]);
-        let table = problem.tables.of(points);
-        let blocks = &mut self.fronts[of.blocks..of.blocks + of.size * of.size];
+        let of = &self.panels[k];
+        let (size, start) = (of.size, of.start);
+        let table = problem.tables.of(panel.nodes.len());
+        let blocks = &mut self.fronts[of.blocks..of.blocks + size * size];
         blocks.fill(Matrix3::zeros());
-        let mut front = Front { blocks, size: of.size, symmetric: problem.chain.symmetric };
+        let mut front = Front { blocks, size, symmetric: problem.chain.symmetric };
         let unknown = panel.gap.is_some() || mesh.follows;
         for node in panel.nodes.clone() {
             let (data, shape, local) = (&mesh.data[node], &self.shapes[node], &self.locals[node]);
             self.models[node] = node::linearise(data, shape, local, shift, unknown);
-            assemble(&mut front, panel, table, node - panel.nodes.start, data.weight, &self.models[node]);
+            assemble(&mut front, of, panel, table, node - panel.nodes.start, data.weight, &self.models[node]);
         }
-        add_beyond(&mut front, table, &of.end, &of.slope, carried, panel.gap.is_some());
+        add_beyond(&mut front, of, table, carried);
+        if panel.gap.is_some() {
+            add_beyond_in_gap(&mut front, of, table, carried, mesh.begins_gap(k));
+        }
         if mesh.follows {
             let nodes = panel.nodes.clone();
             let parts = PanelParts {
                 panel,
                 table,
-                end: &of.end,
+                of,
                 end_rotation: &mesh.rotations[k + 1],
                 data: &mesh.data[nodes.clone()],
                 shapes: &self.shapes[nodes.clone()],
@@ -213,56 +165,20 @@ impl Sweep {
             };
             parts.add(&mut front, carried.following());
         }
-        let negative = front.eliminate(points)?;
-        let state = of.size - points - usize::from(mesh.follows);
+        let negative = front.eliminate(of.pivots)?;
+        // what is left, from the rotation of the start where nu and d are gone
+        let (state, first) = (size - of.pivots - usize::from(mesh.follows), ROTATION + of.pivots - start);
         for i in 0..state {
             for j in 0..state {
-                carried[(i, j)] = front.blocks[(points + i) * of.size + points + j];
+                carried[(first + i, first + j)] = front.blocks[(of.pivots + i) * size + of.pivots + j];
             }
         }
         if mesh.follows {
             for j in 0..state {
-                carried[(FOLLOWING, j)] = front.blocks[(points + state) * of.size + points + j];
+                carried[(FOLLOWING, first + j)] = front.blocks[(size - 1) * size + of.pivots + j];
             }
         }
         Some(negative)
-    }
-
-    /// Joins the panel's start with the gap's first plate and eliminates nu and d.
-    fn leave_gap(
-        &mut self,
-        problem: &Problem,
-        mesh: &Mesh,
-        number: usize,
-        carried: &mut Carried,
-    ) -> Option<usize> {
-        let symmetric = problem.chain.symmetric;
-        if symmetric {
-            for i in 1..IN_GAP {
-                for j in 0..i {
-                    carried[(i, j)] = carried[(j, i)].transpose();
-                }
-            }
-        }
-        // rows of the gap's front among the carried ones; the rotation appears twice there
-        const ROWS: [&[usize]; GAP + 1] = [&[1], &[2], &[0, 3], &[FOLLOWING]];
-        let size = GAP + usize::from(mesh.follows);
-        let blocks = &mut self.gaps[number].blocks[..size * size];
-        blocks.fill(Matrix3::zeros());
-        for (i, rows) in ROWS[..size].iter().enumerate() {
-            for (j, columns) in ROWS[..GAP].iter().enumerate() {
-                let entries =
-                    rows.iter().flat_map(|row| columns.iter().map(|column| carried[(*row, *column)]));
-                blocks[i * size + j] = entries.sum();
-            }
-        }
-        let negative = Front { blocks, size, symmetric }.eliminate(GAP_PIVOTS);
-        *carried = Carried::default();
-        carried[(0, 0)] = blocks[GAP_PIVOTS * size + GAP_PIVOTS];
-        if mesh.follows {
-            carried[(FOLLOWING, 0)] = blocks[GAP * size + GAP_PIVOTS];
-        }
-        negative
     }
 }
 
@@ -299,17 +215,10 @@ fn point_loads(problem: &Problem, mesh: &Mesh, k: usize) -> (Vector3<f64>, Matri
     (slope, 0.5 * hat(&(following - moment)) - symmetric(&(hat(&weight) * hat(&jump.hung))))
 }
 
-/// Adds what lies beyond the end of a panel to its front.
-fn add_beyond(
-    front: &mut Front,
-    table: &Collocation,
-    end: &End,
-    slope: &Vector3<f64>,
-    carried: &Carried,
-    in_gap: bool,
-) {
-    let (points, start) = (table.points.len(), table.points.len());
-    let beyond = &carried[(0, 0)];
+/// Adds what lies beyond the end of a panel to its front, as far as it depends on the rotation of the end.
+fn add_beyond(front: &mut Front, of: &PanelFront, table: &Collocation, carried: &Carried) {
+    let PanelFront { start, end, slope, .. } = of;
+    let beyond = &carried[(ROTATION, ROTATION)];
     let across = beyond * end.across;
     let half = 0.5 * end.jacobian.tr_mul(&(hat(slope) * end.across));
     let turn_turn =
@@ -325,24 +234,49 @@ fn add_beyond(
         for (j, column) in table.end.iter().enumerate().skip(first) {
             front.add(i, j, row * column, &turn_turn);
         }
-        front.add_pair(i, start, *row, &turn_start, || start_turn);
+        front.add_pair(i, *start, *row, &turn_start, || start_turn);
     }
-    front.add(start, start, 1.0, &end.across.tr_mul(&across));
-    if !in_gap {
-        return;
-    }
-    for gap in 1..IN_GAP {
-        let (right, left) = (&carried[(0, gap)], &carried[(gap, 0)]);
-        let turn_gap = end.jacobian.tr_mul(right);
-        let gap_turn = if front.symmetric { Matrix3::zeros() } else { left * end.jacobian };
-        for (i, e) in table.end.iter().enumerate() {
-            front.add_pair(i, points + gap, *e, &turn_gap, || gap_turn);
+    front.add(*start, *start, 1.0, &end.across.tr_mul(&across));
+}
+
+/// The same with nu, d and the rotation of the gap's first plate, which is that of the start where the gap begins.
+fn add_beyond_in_gap(
+    front: &mut Front,
+    of: &PanelFront,
+    table: &Collocation,
+    carried: &Carried,
+    begins: bool,
+) {
+    let PanelFront { start, end, .. } = of;
+    let start = *start;
+    let symmetric = front.symmetric;
+    let first_plate = if begins { start } else { start + 1 };
+    let places = [(NU, start - 2), (D, start - 1), (FIRST_PLATE, first_plate)];
+    for (i, (row, at)) in places.into_iter().enumerate() {
+        // with the rotation of the end, to its right and across the diagonal
+        let right = if row < ROTATION || !symmetric {
+            carried[(row, ROTATION)]
+        } else {
+            carried[(ROTATION, row)].transpose()
+        };
+        let left = if symmetric { right.transpose() } else { carried[(ROTATION, row)] };
+        let turn_row = end.jacobian.tr_mul(&left);
+        let row_turn = if symmetric { Matrix3::zeros() } else { right * end.jacobian };
+        for (turn, e) in table.end.iter().enumerate() {
+            front.add_pair(turn, at, *e, &turn_row, || row_turn);
         }
-        front.add_pair(start, points + gap, 1.0, &end.across.tr_mul(right), || left * end.across);
-        for other in gap..IN_GAP {
-            front.add(points + gap, points + other, 1.0, &carried[(gap, other)]);
-            if !front.symmetric && other > gap {
-                front.add(points + other, points + gap, 1.0, &carried[(other, gap)]);
+        let (row_start, start_row) = (right * end.across, end.across.tr_mul(&left));
+        if at < start {
+            front.add_pair(at, start, 1.0, &row_start, || start_row);
+        } else if at > start {
+            front.add_pair(start, at, 1.0, &start_row, || row_start);
+        } else {
+            front.add(start, start, 1.0, &(row_start + start_row));
+        }
+        for (column, other) in places.into_iter().skip(i) {
+            front.add(at, other, 1.0, &carried[(row, column)]);
+            if !symmetric && column > row {
+                front.add(other, at, 1.0, &carried[(column, row)]);
             }
         }
     }
@@ -351,13 +285,14 @@ fn add_beyond(
 /// Adds the model of one node to the front of its panel.
 fn assemble(
     front: &mut Front,
+    of: &PanelFront,
     panel: &Panel,
     table: &Collocation,
     local: usize,
     weight: f64,
     model: &Linearised,
 ) {
-    let (points, start) = (panel.nodes.len(), panel.nodes.len());
+    let (points, start) = (panel.nodes.len(), of.start);
     let rates = &table.derivative[local * points..(local + 1) * points];
     let rate_rate = model.rate_rate * (weight / (panel.length * panel.length));
     let turn_rate = model.turn_rate * (weight / panel.length);
@@ -383,7 +318,7 @@ fn assemble(
     front.add_pair(local, start, weight, &model.turn_start, || model.start_turn);
     front.add(start, start, weight, &model.start_start);
     if panel.gap.is_some() {
-        let nu = start + 1;
+        let nu = points;
         if model.rate_force != Matrix3::zeros() {
             let rate_force = model.rate_force * (weight / panel.length);
             for (i, row) in rates.iter().enumerate() {
@@ -391,7 +326,7 @@ fn assemble(
             }
         }
         front.add_pair(local, nu, weight, &model.turn_force, || model.turn_force.transpose());
-        front.add_pair(start, nu, weight, &model.start_force, || model.start_force.transpose());
+        front.add_pair(nu, start, weight, &model.start_force.transpose(), || model.start_force);
         front.add(nu, nu, weight, &model.force_force);
     }
 }

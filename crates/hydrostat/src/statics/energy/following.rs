@@ -3,9 +3,10 @@
 //! Such loads have no energy. Their force beyond a cut is one more unknown that the elimination carries towards the base, as a linear
 //! function of what the cut's other unknowns are.
 
+use super::factor::{FIRST_PLATE, ROTATION};
 use super::mesh::{Mesh, NodeData, Panel, Tables};
 use super::node::{Linearised, Shape};
-use super::sweep::{End, IN_GAP, Problem, STATE, Step, Sweep};
+use super::sweep::{GAP, PanelFront, Problem, STATE, Step, Sweep};
 use crate::geometry::hat;
 use crate::numeric::blocks::Front;
 use crate::numeric::collocation::{Collocation, MOST};
@@ -21,7 +22,7 @@ pub(super) struct Following {
 }
 
 /// A linear function of a panel's unknowns, turns first, then those of its front's state.
-type Coefficients = [Matrix3<f64>; MOST + IN_GAP];
+type Coefficients = [Matrix3<f64>; MOST + STATE];
 
 impl Sweep {
     /// The following forces beyond all nodes and panels of the placed shape.
@@ -98,7 +99,7 @@ impl Sweep {
 pub(super) struct PanelParts<'a> {
     pub(super) panel: &'a Panel,
     pub(super) table: &'a Collocation,
-    pub(super) end: &'a End,
+    pub(super) of: &'a PanelFront,
     pub(super) end_rotation: &'a Matrix3<f64>,
     pub(super) data: &'a [NodeData],
     pub(super) shapes: &'a [Shape],
@@ -110,17 +111,21 @@ impl PanelParts<'_> {
     /// Adds to the front what the forces beyond the panel's nodes do as they follow its unknowns; its last row becomes the force beyond
     /// the start. `carried` is the same row of what lies beyond the panel.
     pub(super) fn add(&self, front: &mut Front, carried: &[Matrix3<f64>]) {
-        let PanelParts { panel, table, end, following, .. } = self;
-        let points = self.shapes.len();
-        let state = if panel.gap.is_some() { IN_GAP } else { STATE };
-        let mut beyond: Coefficients = [Matrix3::zeros(); MOST + IN_GAP];
-        let by_end = carried[0] - self.end_rotation * hat(&following.at_end);
+        let PanelParts { panel, table, of, following, .. } = self;
+        let PanelFront { size, start: start_at, end, .. } = of;
+        let (points, start_at, unknowns) = (self.shapes.len(), *start_at, size - 1);
+        let mut beyond: Coefficients = [Matrix3::zeros(); MOST + STATE];
+        let by_end = carried[ROTATION] - self.end_rotation * hat(&following.at_end);
         let through_end = by_end * end.jacobian;
         for (column, e) in beyond.iter_mut().zip(&table.end) {
             *column = *e * through_end;
         }
-        beyond[points] = by_end * end.across;
-        beyond[points + 1..points + state].copy_from_slice(&carried[1..state]);
+        beyond[start_at] = by_end * end.across;
+        if panel.gap.is_some() {
+            beyond[points..start_at].copy_from_slice(&carried[..GAP]);
+            // where the gap begins its first plate is the start
+            beyond[unknowns - 1] += carried[FIRST_PLATE];
+        }
 
         let spread = following.per_length != Vector3::zeros();
         let mut by_node = [(Matrix3::zeros(), Matrix3::zeros()); MOST];
@@ -135,7 +140,7 @@ impl PanelParts<'_> {
             if spread {
                 for (j, (turn, start)) in by_node[..points].iter().enumerate() {
                     force[j] += weight(j) * turn;
-                    force[points] += weight(j) * start;
+                    force[start_at] += weight(j) * start;
                 }
             }
             force
@@ -144,9 +149,7 @@ impl PanelParts<'_> {
             let force = of_node(&|j| beyond_point(table, i, j));
             let mut add = |row: usize, of_force: Matrix3<f64>| {
                 let row = &mut front.blocks[row * front.size..(row + 1) * front.size];
-                row.iter_mut()
-                    .zip(&force[..points + state])
-                    .for_each(|(entry, force)| *entry += of_force * force);
+                row.iter_mut().zip(&force[..unknowns]).for_each(|(entry, force)| *entry += of_force * force);
             };
             if model.rate_force != Matrix3::zeros() {
                 let rate_force = model.rate_force * (data.weight / panel.length);
@@ -154,14 +157,13 @@ impl PanelParts<'_> {
                 rates.iter().enumerate().for_each(|(l, rate)| add(l, *rate * rate_force));
             }
             add(i, data.weight * model.turn_force);
-            add(points, data.weight * model.start_force);
+            add(start_at, data.weight * model.start_force);
             if panel.gap.is_some() {
-                add(points + 1, data.weight * model.force_force);
+                add(points, data.weight * model.force_force);
             }
         }
         let start = of_node(&|j| table.weights[j]);
-        front.blocks[(points + state) * front.size..][..points + state]
-            .copy_from_slice(&start[..points + state]);
+        front.blocks[unknowns * front.size..][..unknowns].copy_from_slice(&start[..unknowns]);
     }
 }
 

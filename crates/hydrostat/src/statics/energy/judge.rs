@@ -24,8 +24,11 @@ impl Search<'_> {
         let residual = equations.residual(memory, coarse);
         let negative = if end.moved <= SAME_STABILITY && !self.settings.eigenvalue {
             Some(end.negative)
-        } else if self.settings.eigenvalue || self.settings.stability {
+        } else if self.settings.eigenvalue {
             self.falling(0.0)
+        } else if self.settings.stability {
+            let problem = equations.problem(&memory.drive.tensions);
+            if memory.sweep.surely_convex(&problem, coarse) { Some(0) } else { self.falling(0.0) }
         } else {
             None
         };

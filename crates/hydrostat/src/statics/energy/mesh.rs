@@ -293,6 +293,11 @@ pub(super) struct Sample {
 }
 
 impl Mesh {
+    /// Whether a gap begins with panel `k`.
+    pub(super) fn begins_gap(&self, k: usize) -> bool {
+        self.panels[k].gap.is_some_and(|gap| self.gaps[gap].panels.start == k)
+    }
+
     /// Number of the panel that holds `s`, the earlier one at a cut.
     pub(super) fn panel_at(&self, s: f64) -> usize {
         self.panels.partition_point(|panel| panel.from + SAME_PLACE * panel.length < s).saturating_sub(1)

@@ -2,10 +2,12 @@
 //!
 //! Each panel of the backbone has a polynomial for its rotation vector, and so for its bending and twist, and values of
 //! shear and stretch at its Gauss nodes (`mesh`, `node`); one block elimination along the chain gives Newton's step and the
-//! inertia of the Hessian (`factor`, `following`, `sweep`, `newton`); `search`, `at_once`, `warm` and `trust` lead to the full load, `judge`,
-//! `result` and `derivatives` say what was found.
+//! inertia of the Hessian (`factor`, `chords`, `following`, `sweep`, `newton`); `search`, `at_once`, `warm` and `trust` lead to the full load, `judge`,
+//! `convex`, `result` and `derivatives` say what was found.
 
 mod at_once;
+mod chords;
+mod convex;
 mod derivatives;
 mod factor;
 mod following;
@@ -26,6 +28,7 @@ mod warm;
 pub(super) use derivatives::derivatives;
 pub(super) use search::{Found, Start, find};
 
+use crate::statics::chain::Chain;
 use mesh::{Layout, Mesh, Tables};
 use newton::Linear;
 use search::Seen;
@@ -44,6 +47,15 @@ pub(super) struct Energy {
     reached_drive: Drive,
     memory: Memory,
     seen: Seen,
+    /// Of the same robot with its guided tendons in channels.
+    smooth: Option<Box<Smooth>>,
+}
+
+/// What a shape to start from is found with.
+#[derive(Clone, Debug, Default)]
+struct Smooth {
+    chain: Chain,
+    energy: Energy,
 }
 
 /// Scratch of one linearisation, and the tendons' tensions.

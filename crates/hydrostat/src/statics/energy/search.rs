@@ -96,9 +96,7 @@ pub(in crate::statics) fn find(
     settings: &Settings,
     start: Start,
 ) -> Result<Found, Error> {
-    let mut search =
-        Search { energy, robot, chain, settings, iterations: 0, snapped_from: None, relaid: false };
-    search.run(start)
+    Search::new(energy, robot, chain, settings).run(start)
 }
 
 pub(super) struct Search<'a> {
@@ -113,7 +111,16 @@ pub(super) struct Search<'a> {
     relaid: bool,
 }
 
-impl Search<'_> {
+impl<'a> Search<'a> {
+    pub(super) fn new(
+        energy: &'a mut Energy,
+        robot: &'a Robot,
+        chain: &'a Chain,
+        settings: &'a Settings,
+    ) -> Self {
+        Search { energy, robot, chain, settings, iterations: 0, snapped_from: None, relaid: false }
+    }
+
     fn run(&mut self, start: Start) -> Result<Found, Error> {
         let tolerance = self.settings.tolerance;
         let mut unstable_from = None;

@@ -2,7 +2,8 @@
 //!
 //! The unknowns of a panel are the turns of its nodes (v is eliminated node by node); its state is the small rotation of
 //! its start. Chords couple the plates of a gap: there the elimination carries, besides the rotation, the force that the
-//! chords take (nu), the displacement between the plates (d) and the rotation of the first plate, until the gap begins.
+//! chords take (nu), the displacement between the plates (d) and the rotation of the first plate. The panel with which the gap
+//! begins eliminates nu and d, too; its start is the first plate.
 
 use super::following::Following;
 use super::mesh::{Mesh, Panel, Tables};
@@ -27,13 +28,11 @@ pub(super) struct Problem<'a> {
     pub(super) tensions: &'a [f64],
 }
 
-/// Blocks of a panel's front behind its turns: the rotation of its start, and in a gap nu, d and the rotation of the first plate. With
-/// followers one more row: their force beyond the start.
-pub(super) const STATE: usize = 1;
-pub(super) const IN_GAP: usize = 4;
-/// Blocks of a gap's own elimination: nu and d, then the rotation of its first plate, and with followers their force.
-pub(super) const GAP: usize = 3;
-pub(super) const GAP_PIVOTS: usize = 2;
+/// Most blocks of a panel's front behind its turns: in a gap nu and d, the rotation of its start, and in a gap that began before the
+/// rotation of the first plate. With followers one more row: their force beyond the start.
+pub(super) const STATE: usize = 4;
+/// nu and d.
+pub(super) const GAP: usize = 2;
 
 /// Scratch memory of the linearisation, and its factors.
 #[derive(Clone, Debug, Default)]
@@ -48,7 +47,7 @@ pub(super) struct Sweep {
     pub(super) moved: f64,
     /// Blocks of the panels' fronts, one panel behind the other.
     pub(super) fronts: Vec<Matrix3<f64>>,
-    pub(super) gaps: Vec<GapFront>,
+    pub(super) gaps: Vec<GapPull>,
     /// Direction and length of every chord.
     pub(super) spans: Vec<(Vector3<f64>, f64)>,
     /// Of every panel, and the following force beyond every node, world frame; empty without followers.
@@ -66,8 +65,10 @@ pub(super) struct PanelFront {
     /// Where its blocks begin among `fronts`, and its rows among `right`.
     pub(super) blocks: usize,
     rows: usize,
-    /// Blocks a side.
+    /// Blocks a side, the number of those eliminated, and the place of the start's rotation.
     pub(super) size: usize,
+    pub(super) pivots: usize,
+    pub(super) start: usize,
     pub(super) end: End,
     /// The energy's slope in the rotation of the end, body frame, and the internal moment there, on the base side.
     pub(super) slope: Vector3<f64>,
@@ -81,11 +82,9 @@ pub(super) struct End {
     pub(super) jacobian: Matrix3<f64>,
 }
 
-/// The elimination of a gap's nu and d, the force that its chords carry, and the gradient with respect to its plates.
+/// The force that a gap's chords carry, and the gradient with respect to its plates.
 #[derive(Clone, Debug, Default)]
-pub(super) struct GapFront {
-    pub(super) blocks: [Matrix3<f64>; (GAP + 1) * (GAP + 1)],
-    right: [Vector3<f64>; GAP + 1],
+pub(super) struct GapPull {
     pub(super) force: Vector3<f64>,
     pub(super) first_plate: Vector3<f64>,
     pub(super) second_plate: Vector3<f64>,
@@ -229,9 +228,19 @@ impl Sweep {
             let turn = RotationVector::new(mesh.end_turn(panel, table));
             let since_start = turn.rotation();
             let end = End { across: since_start.transpose(), jacobian: turn.jacobian(), turn };
-            let state = if panel.gap.is_some() { IN_GAP } else { STATE };
-            let size = panel.nodes.len() + state + usize::from(mesh.follows);
-            self.panels.push(PanelFront { blocks, rows, size, end, slope: Vector3::zeros() });
+            let (points, begins) = (panel.nodes.len(), mesh.begins_gap(k));
+            let start_at = points + if panel.gap.is_some() { GAP } else { 0 };
+            let first_plate = usize::from(panel.gap.is_some() && !begins);
+            self.panels.push(PanelFront {
+                blocks,
+                rows,
+                size: start_at + 1 + first_plate + usize::from(mesh.follows),
+                pivots: if begins { start_at } else { points },
+                start: start_at,
+                end,
+                slope: Vector3::zeros(),
+            });
+            let size = self.panels[k].size;
             (blocks, rows) = (blocks + size * size, rows + size);
             mesh.rotations[k + 1] = start * since_start;
             mesh.positions[k + 1] = position;
@@ -289,18 +298,19 @@ impl Sweep {
     }
 
     fn tip_to_base(&mut self, mesh: &Mesh, tables: &Tables, right: &Column) {
-        let (mut state, mut in_gap) = (Vector3::zeros(), [Vector3::zeros(); 3]);
+        // of nu and d, and of the gap's first plate
+        let (mut state, mut in_gap, mut plate) =
+            (Vector3::zeros(), [Vector3::zeros(); GAP], Vector3::zeros());
         // the following force is what was carried of the unknowns less this
         let mut follows = Vector3::zeros();
-        let gap_size = GAP + usize::from(mesh.follows);
         for k in (0..mesh.panels.len()).rev() {
             let panel = &mesh.panels[k];
-            let PanelFront { blocks, rows, size, end, .. } = self.panels[k];
+            let PanelFront { blocks, rows, size, pivots, start: start_at, end, .. } = self.panels[k];
             let (table, points) = (tables.of(panel.nodes.len()), panel.nodes.len());
             state += right.cuts[k + 1];
             if let Some(gap) = panel.gap.filter(|gap| mesh.gaps[*gap].panels.end == k + 1) {
-                let [displacement, plate] = right.gaps[gap];
-                in_gap = [Vector3::zeros(), displacement, plate];
+                let [displacement, of_plate] = right.gaps[gap];
+                (in_gap, plate) = ([Vector3::zeros(), displacement], of_plate);
             }
             let rows = &mut self.right[rows..rows + size];
             let mut start = end.across.tr_mul(&state);
@@ -325,27 +335,23 @@ impl Sweep {
                 start += form.start;
                 in_gap[0] += form.force;
             }
-            rows[points] = start;
+            rows[start_at] = start;
+            let begins = mesh.begins_gap(k);
             if panel.gap.is_some() {
-                rows[points + STATE..points + IN_GAP].copy_from_slice(&in_gap);
+                rows[points..start_at].copy_from_slice(&in_gap);
+                rows[start_at + usize::from(!begins)] = if begins { start + plate } else { plate };
             }
             if mesh.follows {
                 rows[size - 1] = follows;
             }
-            blocks::forward(&self.fronts[blocks..blocks + size * size], size, points, rows);
-            state = rows[points];
+            blocks::forward(&self.fronts[blocks..blocks + size * size], size, pivots, rows);
+            state = rows[start_at];
             if mesh.follows {
                 follows = rows[size - 1];
             }
-            if let Some(gap) = panel.gap {
-                in_gap.copy_from_slice(&rows[points + STATE..points + IN_GAP]);
-                if mesh.gaps[gap].panels.start == k {
-                    let front = &mut self.gaps[gap];
-                    front.right = [in_gap[0], in_gap[1], state + in_gap[2], follows];
-                    blocks::forward(&front.blocks, gap_size, GAP_PIVOTS, &mut front.right[..gap_size]);
-                    state = front.right[GAP_PIVOTS];
-                    follows = front.right[GAP];
-                }
+            if panel.gap.is_some() && !begins {
+                in_gap.copy_from_slice(&rows[points..start_at]);
+                plate = rows[start_at + 1];
             }
         }
         self.at_base = -follows;
@@ -357,29 +363,28 @@ impl Sweep {
         step.cuts.resize(mesh.panels.len() + 1, Vector3::zeros());
         step.cuts[0] = Vector3::zeros();
         step.size = 0.0;
-        let mut in_gap = [Vector3::zeros(); 3];
+        let (mut in_gap, mut plate) = ([Vector3::zeros(); GAP], Vector3::zeros());
         let (mut follows, mut following) = (self.at_base, [Vector3::zeros(); MOST]);
-        let gap_size = GAP + usize::from(mesh.follows);
         for k in 0..mesh.panels.len() {
             let panel = &mesh.panels[k];
-            let PanelFront { blocks, rows, size, end, .. } = self.panels[k];
+            let PanelFront { blocks, rows, size, pivots, start: start_at, end, .. } = self.panels[k];
             let (table, points) = (tables.of(panel.nodes.len()), panel.nodes.len());
             let start = step.cuts[k];
-            if let Some(gap) = panel.gap.filter(|gap| mesh.gaps[*gap].panels.start == k) {
-                let front = &self.gaps[gap];
-                let mut values = [front.right[0], front.right[1], start, Vector3::zeros()];
-                blocks::backward(&front.blocks, gap_size, GAP_PIVOTS, &mut values[..gap_size]);
-                in_gap.copy_from_slice(&values[..GAP]);
-            }
             let rows = &mut self.right[rows..rows + size];
-            rows[points] = start;
-            if panel.gap.is_some() {
-                rows[points + STATE..points + IN_GAP].copy_from_slice(&in_gap);
+            rows[start_at] = start;
+            let begins = mesh.begins_gap(k);
+            if panel.gap.is_some() && !begins {
+                rows[points..start_at].copy_from_slice(&in_gap);
+                rows[start_at + 1] = plate;
             }
             if mesh.follows {
                 rows[size - 1] = Vector3::zeros();
             }
-            blocks::backward(&self.fronts[blocks..blocks + size * size], size, points, rows);
+            blocks::backward(&self.fronts[blocks..blocks + size * size], size, pivots, rows);
+            if panel.gap.is_some() && begins {
+                in_gap.copy_from_slice(&rows[points..start_at]);
+                plate = start;
+            }
             step.turn[panel.nodes.clone()].copy_from_slice(&rows[..points]);
             if mesh.follows {
                 self.follow_step(mesh, tables, k, step, &mut follows, &mut following[..points]);

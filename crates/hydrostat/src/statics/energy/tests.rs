@@ -2,11 +2,12 @@
 
 use super::mesh::{Layout, Mesh, Tables};
 use super::sweep::{Column, Folded, Problem, Step, Sweep};
-use super::tendons;
+use super::{Energy, tendons};
 use crate::Robot;
 use crate::model::{Command, Frame, Guides, Load, LoadKind, Motion, Path, Routing, Tendon};
 use crate::statics::chain::Chain;
 use crate::statics::rod::tests::tapered_rod;
+use crate::statics::{Settings, Workspace, solve_in};
 use nalgebra::Vector3;
 
 /// Step of the differences, and what they leave of the first and of the second derivative, relative.
@@ -189,6 +190,33 @@ fn the_tangent_of_followers_and_dead_moments_is_that_of_the_gradient() {
             let found = (ahead[i] - behind[i]) / (2.0 * scale);
             assert!((found - expected).amax() < 1e-5 * largest, "{routed:?} {i}: {found} {expected}");
         }
+    }
+}
+
+/// Forces that push the tip along the base, up to nearly what buckles a rod of stiffness 1; the bound is sure of the first alone.
+const PUSHES: [f64; 5] = [0.02, 0.2, 0.5, 1.0, 2.0];
+
+#[test]
+fn the_bound_of_convexity_is_below_the_smallest_eigenvalue() {
+    for routed in [&[][..], &[Routing::Channel; 2]] {
+        let bounds = PUSHES.map(|push| {
+            let mut robot = robot(routed);
+            robot.gravity *= push;
+            let force = -push * robot.base.rotation.matrix().column(2);
+            let kind =
+                LoadKind::Point { at: robot.length(), force, moment: Vector3::zeros(), frame: Frame::World };
+            robot.loads = vec![Load { name: None, kind }];
+            let mut workspace = Workspace::default();
+            let found = solve_in(&robot, &Settings::default(), &mut workspace).expect("has an answer");
+            let eigenvalue = found.report.smallest_eigenvalue.expect("asked for");
+            let Workspace { chain, energy: Energy { tables, coarse, memory, .. }, .. } = &workspace;
+            let tensions = &memory.drive.tensions;
+            let problem = Problem { chain, tables, factor: 1.0, gravity: robot.gravity, tensions };
+            let bound = memory.sweep.curvature_bound(&problem, coarse).expect("has an energy and no chords");
+            assert!(bound <= eigenvalue, "{push}: {bound} {eigenvalue}");
+            bound
+        });
+        assert!(bounds[0] > 0.4 && bounds[PUSHES.len() - 1] < 0.0, "{bounds:?}");
     }
 }
 
