@@ -3,10 +3,11 @@
 use crate::text::{MM, aligned};
 use crate::{End, Outcome, files, json, warn};
 use hydrostat::Error;
-use hydrostat::calibrate::{CalibratedRow, Calibration, Loss, Problem, calibrate};
+use hydrostat::calibrate::{CalibratedRow, Calibration, Loss, Problem, Progress, calibrate_watched};
 use hydrostat::description::{self, CalibrationFlags, Parsed, builtin};
 use hydrostat::statics::Settings;
 use hydrostat::verify::{PointError, Summary};
+use indicatif::ProgressBar;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -26,6 +27,12 @@ pub(crate) struct Args {
     /// How residuals count [default: squares]
     #[arg(long, value_enum)]
     loss: Option<LossName>,
+    /// Points to start from: the files' values and others between the bounds [default: 1]
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    starts: Option<u16>,
+    /// Predict each of K parts of the rows from a fit to all others
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(2..=1000))]
+    folds: Option<u16>,
     /// A table like that of the experiment that the fit does not see, to tell the error of predictions
     #[arg(long, value_name = "TABLE.csv")]
     holdout: Option<PathBuf>,
@@ -57,6 +64,8 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
         prior: args.prior.clone(),
         bounds: args.bounds.clone(),
         loss,
+        starts: args.starts.map(usize::from),
+        folds: args.folds.map(usize::from),
         holdout: args.holdout.as_ref().map(|path| path.to_string_lossy().into_owned()),
     };
     if let Some(path) = args.write.as_deref().filter(|path| path.exists() && !args.force) {
@@ -77,7 +86,17 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
         if done.is_empty() {
             warn(&parsed.warnings);
         }
-        let calibration = calibrate(&parsed.value, &Settings::default())?;
+        let bar = progress();
+        let mut watch = |progress: &Progress| {
+            bar.set_message(format!(
+                "{}, {} evaluations, residuals {:.2} reading errors",
+                progress.stage, progress.evaluations, progress.residual
+            ));
+            bar.tick();
+        };
+        let calibration = calibrate_watched(&parsed.value, &Settings::default(), &mut watch);
+        bar.finish_and_clear();
+        let calibration = calibration?;
         done.push((parsed.value, calibration));
     }
     if let (Some(path), [(problem, calibration)]) = (&args.write, &done[..]) {
@@ -90,6 +109,11 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
         text(&done, args.write.as_deref())
     };
     Ok(Outcome { stdout, end: End::Passed })
+}
+
+/// Drawn where stderr is a terminal.
+fn progress() -> ProgressBar {
+    ProgressBar::new_spinner()
 }
 
 /// Reads an experiment and what it names, relative to its own folder.
@@ -282,6 +306,7 @@ fn errors(calibration: &Calibration) -> Vec<Vec<String>> {
     table.push(line("before", &calibration.before));
     table.push(line("calibrated", &calibration.after));
     table.extend(calibration.left_out.iter().map(|errors| line("each row from all others", errors)));
+    table.extend(calibration.folds.iter().map(|errors| line("each fold from all others", errors)));
     if let Some([before, after]) = &calibration.holdout {
         table.extend([line("held out, before", before), line("held out, calibrated", after)]);
     }

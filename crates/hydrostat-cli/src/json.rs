@@ -141,6 +141,8 @@ fn of_calibration(problem: &Problem, calibration: &Calibration) -> Map<String, V
         errors.insert("before".into(), Value::Object(summary(before)));
         Value::Object(errors)
     });
+    let folds = calibration.folds.as_ref().map(|errors| Value::Object(summary(errors)));
+    all.insert("folds".into(), folds.unwrap_or(Value::Null));
     all.insert("holdout".into(), held_out.unwrap_or(Value::Null));
     let rows = calibration.rows.iter();
     let rows = rows.flat_map(|row| points(&problem.experiment, &row.inputs, &row.after)).map(Value::Object);

@@ -5,6 +5,7 @@ mod neighbours;
 mod parameter;
 mod part;
 mod predict;
+mod search;
 mod setup;
 mod statistics;
 mod verdict;
@@ -26,8 +27,23 @@ pub struct Problem {
     pub experiment: Experiment,
     pub parameters: Vec<Parameter>,
     pub loss: Loss,
+    /// Points from which the fit starts: the files' values, then others between the bounds; at least 1.
+    pub starts: usize,
+    /// Parts of the rows, each predicted from all others by a fit of its own; 0 for none.
+    pub folds: usize,
     /// Rows like those of the experiment that the fit does not see; may be empty.
     pub holdout: Vec<Row>,
+}
+
+/// How far a calibration has come.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Progress {
+    /// Such as `start 2 of 5`.
+    pub stage: String,
+    /// Of all rows, so far in this stage.
+    pub evaluations: usize,
+    /// Root mean square of residual over reading error.
+    pub residual: f64,
 }
 
 /// How a residual counts.
@@ -68,6 +84,10 @@ pub struct Calibration {
     pub systematic: Option<bool>,
     /// Errors of each row as predicted by a fit to all others; None where a row alone determines a parameter.
     pub left_out: Option<Summary>,
+    /// Errors of the rows of each fold as predicted by a fit to all others; theory (53).
+    pub folds: Option<Summary>,
+    /// How the starts ended, in words; None with a single one.
+    pub starts: Option<String>,
     /// Errors of the rows that were held out: as the files have the robot, and calibrated.
     pub holdout: Option<[Summary; 2]>,
     /// In words: goodness of fit, systematic residuals, what the data can tell.
@@ -105,6 +125,10 @@ impl Problem {
 
     fn check(&self) -> Result<(), Error> {
         self.experiment.refuse_impossible_readings()?;
+        if self.folds == 1 || self.folds > self.experiment.rows.len() {
+            let (folds, rows) = (self.folds, self.experiment.rows.len());
+            return Err(Error::new(format!("{rows} rows in {folds} folds, expected 2 to {rows} folds")));
+        }
         if self.parameters.is_empty() {
             return Err(Error::new("nothing is free, so that there is nothing to calibrate"));
         }
@@ -137,16 +161,34 @@ impl Problem {
 /// A row that cannot be solved where the fit starts, with its inputs; more free parameters than coordinates; a parameter that moves
 /// nothing that was measured; no convergence.
 pub fn calibrate(problem: &Problem, settings: &Settings) -> Result<Calibration, Error> {
+    calibrate_watched(problem, settings, &mut |_| ())
+}
+
+/// The same, telling how far it has come.
+pub fn calibrate_watched(
+    problem: &Problem,
+    settings: &Settings,
+    watch: &mut dyn FnMut(&Progress),
+) -> Result<Calibration, Error> {
     problem.check()?;
     let experiment = &problem.experiment;
-    let mut fit = Fit::new(problem, settings)?;
+    let mut fit = Fit::new(problem, settings, watch)?;
     let start = fit.variables(&fit.start);
     let before = fit.points(&fit.start.clone())?;
     let first = fit.evaluate(&start, 1.0)?;
     refuse_without_influence(problem, &fit, &first.jacobian)?;
 
     // errors are as stated until chi-square refutes them; priors and robust loss then weigh against larger ones
-    let mut minimum = fit.minimize(&start, 1.0, Loss::Squares)?;
+    let found = search::from_several_starts(&mut fit, &start);
+    let (mut minimum, starts) = found.map_err(|error| {
+        // what the data cannot tell apart where the fit starts is the likely reason
+        let held = vec![false; start.len()];
+        let statistics = Statistics::new(problem, &first, &held, 1.0);
+        match verdict::identifiability(problem, &statistics, &first, &fit.scale).first() {
+            Some(sentence) if start.len() > 1 && statistics.is_degenerate() => error.hint(sentence.clone()),
+            _ => error,
+        }
+    })?;
     let mut error_scale = statistics::error_scale(problem, &minimum, 1.0);
     let weighs =
         problem.loss == Loss::Huber || problem.parameters.iter().any(|parameter| parameter.prior.is_some());
@@ -203,12 +245,18 @@ pub fn calibrate(problem: &Problem, settings: &Settings) -> Result<Calibration, 
             }),
         }
     });
+    let folds = (problem.folds > 0)
+        .then(|| search::fold_errors(problem, settings, &values, error_scale, fit.watch))
+        .transpose()?
+        .map(|errors| experiment.summary(robot.length(), errors.into_iter()));
     let holdout = (!problem.holdout.is_empty()).then(|| {
         let lengths = [experiment.robot.length(), robot.length()];
         held_out(problem, settings, [&fit.start, &values], lengths)
     });
     let mut calibration = Calibration {
         holdout: holdout.transpose()?,
+        folds,
+        starts,
         parameters: parameters.collect(),
         correlation: statistics.correlation(),
         before: summary(experiment.robot.length(), &|row| row.before.clone()),
@@ -246,7 +294,7 @@ fn held_out(
     unseen.experiment.refuse_impossible_readings().map_err(|error| error.within("held out"))?;
     let experiment = &unseen.experiment;
     let errors = |i: usize| -> Result<Summary, Error> {
-        let points = Fit::new(&unseen, settings)?.points(values[i])?;
+        let points = Fit::new(&unseen, settings, &mut |_| ())?.points(values[i])?;
         let rows = experiment.rows.iter().zip(&points);
         Ok(experiment.summary(lengths[i], rows.flat_map(|(row, points)| experiment.differences(row, points))))
     };
@@ -259,7 +307,7 @@ fn held_out(
 /// # Errors
 /// A parameter that has no value, such as the stiffness of an inextensible tendon.
 pub fn start(problem: &Problem) -> Result<Vec<f64>, Error> {
-    Fit::new(problem, &Settings::default()).map(|fit| fit.start)
+    Fit::new(problem, &Settings::default(), &mut |_| ()).map(|fit| fit.start.clone())
 }
 
 /// What was measured, as predicted with one parameter at `value`, SI, and all others as in the files: (coordinates).
@@ -272,7 +320,8 @@ pub fn predict(
     value: f64,
     settings: &Settings,
 ) -> Result<DVector<f64>, Error> {
-    let mut fit = Fit::new(problem, settings)?;
+    let mut none = |_: &Progress| ();
+    let mut fit = Fit::new(problem, settings, &mut none)?;
     let mut values = fit.start.clone();
     values[parameter] = value;
     let predicted = fit.points(&values)?;
@@ -287,7 +336,8 @@ pub fn predict(
 /// # Errors
 /// A row that cannot be solved, with its inputs.
 pub fn sensitivities(problem: &Problem, settings: &Settings) -> Result<(DVector<f64>, DMatrix<f64>), Error> {
-    let mut fit = Fit::new(problem, settings)?;
+    let mut none = |_: &Progress| ();
+    let mut fit = Fit::new(problem, settings, &mut none)?;
     let at = fit.evaluate(&fit.variables(&fit.start), 1.0)?;
     let experiment = &problem.experiment;
     let read = experiment.rows.iter().flat_map(|row| experiment.points.iter().zip(&row.observed));

@@ -2,13 +2,14 @@
 
 use super::predict::{Predicted, Trial, points_of};
 use super::setup::Setup;
-use super::{Loss, Problem};
+use super::{Loss, Problem, Progress};
 use crate::Error;
 use crate::numeric::least_squares::{self, Evaluation, Minimum};
 use crate::statics::{self, Workspace};
 use crate::verify::Experiment;
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Error of a solution over the smallest reading error: far below what any step of the fit changes.
 const TOLERANCE: f64 = 1e-4;
@@ -29,10 +30,20 @@ pub(super) struct Fit<'a> {
     settings: statics::Settings,
     /// One per row, each with its last solution.
     workspaces: Vec<Workspace>,
+    /// Rows that weigh nothing.
+    pub(super) ignored: Range<usize>,
+    pub(super) watch: &'a mut dyn FnMut(&Progress),
+    /// What the watcher is told.
+    pub(super) stage: String,
+    evaluations: usize,
 }
 
 impl<'a> Fit<'a> {
-    pub(super) fn new(problem: &'a Problem, settings: &statics::Settings) -> Result<Fit<'a>, Error> {
+    pub(super) fn new(
+        problem: &'a Problem,
+        settings: &statics::Settings,
+        watch: &'a mut dyn FnMut(&Progress),
+    ) -> Result<Fit<'a>, Error> {
         let experiment = &problem.experiment;
         let base = Setup::new(experiment);
         let start = problem.parameters.iter().map(|parameter| {
@@ -52,7 +63,19 @@ impl<'a> Fit<'a> {
         let tolerance = settings.tolerance.min(wanted);
         let settings = statics::Settings { stations: 0, eigenvalue: false, tolerance, ..settings.clone() };
         let workspaces = vec![Workspace::default(); experiment.rows.len()];
-        Ok(Fit { problem, base, start, scale, settings, workspaces })
+        let (stage, evaluations) = ("fit".to_owned(), 0);
+        Ok(Fit {
+            problem,
+            base,
+            start,
+            scale,
+            settings,
+            workspaces,
+            ignored: 0..0,
+            watch,
+            stage,
+            evaluations,
+        })
     }
 
     /// In SI, of variables in units of their scale.
@@ -86,10 +109,15 @@ impl<'a> Fit<'a> {
         let mut residuals = DVector::zeros(coordinates + priors);
         let mut jacobian = DMatrix::zeros(coordinates + priors, parameters.len());
         let mut k = 0;
-        for (row, predicted) in experiment.rows.iter().zip(&predicted) {
+        for (number, (row, predicted)) in experiment.rows.iter().zip(&predicted).enumerate() {
+            let ignored = self.ignored.contains(&number);
             for (i, point) in experiment.points.iter().enumerate() {
                 let error = point.reading_error * error_scale;
                 for &axis in &point.axes {
+                    if ignored {
+                        k += 1;
+                        continue;
+                    }
                     residuals[k] = (predicted.points[i][axis] - row.observed[i][axis]) / error;
                     for j in 0..parameters.len() {
                         jacobian[(k, j)] = predicted.derivatives[j][i][axis] / error;
@@ -105,6 +133,9 @@ impl<'a> Fit<'a> {
                 k += 1;
             }
         }
+        self.evaluations += 1;
+        let residual = residuals.norm() * error_scale / (residuals.len() as f64).sqrt();
+        (self.watch)(&Progress { stage: self.stage.clone(), evaluations: self.evaluations, residual });
         Ok(Evaluation { residuals, jacobian })
     }
 

@@ -14,6 +14,8 @@ pub struct Parameter {
     pub parts: Vec<Part>,
     /// SI.
     pub bounds: [f64; 2],
+    /// Whether the user gave them.
+    pub bounded: bool,
     pub prior: Option<Prior>,
 }
 
@@ -70,7 +72,7 @@ impl Parameter {
             )));
         }
         let bounds = [parts[0].lowest().unwrap_or(f64::NEG_INFINITY), f64::INFINITY];
-        Ok(Parameter { name: name.to_owned(), parts, bounds, prior: None })
+        Ok(Parameter { name: name.to_owned(), parts, bounds, bounded: false, prior: None })
     }
 
     /// Unit of SI.

@@ -14,6 +14,8 @@ const NORMAL_95: f64 = 1.959_963_984_540_054;
 const MEDIAN_TO_DEVIATION: f64 = 1.482_602_218_505_602;
 /// Part of the largest eigenvalue of the scaled normal matrix that the differences of its columns' rounding leave.
 const SINGULAR: f64 = 1e-9;
+/// Part of the largest eigenvalue at which a correlation is about 0.999.
+const DEGENERATE: f64 = 1e-3;
 /// Part of a singular direction that spoils a parameter.
 const INVOLVED: f64 = 1e-6;
 
@@ -163,6 +165,14 @@ impl Statistics {
         let inflation: f64 =
             self.eigen.iter().filter(|(value, _)| *value > 0.0).map(|(value, v)| v[j].powi(2) / value).sum();
         (1.0 - 1.0 / inflation.max(1.0)).sqrt()
+    }
+
+    /// Whether some direction is hardly seen.
+    pub(super) fn is_degenerate(&self) -> bool {
+        let values = self.eigen.iter().map(|(value, _)| *value);
+        let (low, high) =
+            values.fold((f64::INFINITY, 0.0_f64), |(low, high), value| (low.min(value), high.max(value)));
+        low <= DEGENERATE * high
     }
 
     /// Whether a direction cannot be seen at all.

@@ -27,6 +27,24 @@ pub(super) fn verdict(
         ),
         None => "How well an unseen row would be predicted is not known: one row alone determines a parameter.".to_owned(),
     });
+    verdict.extend(calibration.folds.as_ref().map(|errors| {
+        format!(
+            "Rows of a part of the table that the fit has not seen are predicted within {:.2} mm on average ({:.2} mm at most).",
+            1e3 * errors.mean,
+            1e3 * errors.max
+        )
+    }));
+    verdict.extend(calibration.holdout.as_ref().map(|[_, errors]| {
+        format!(
+            "The rows that were held out are predicted within {:.2} mm on average ({:.2} mm at most); {:.2} mm root mean square, {:.2} mm \
+             about their mean.",
+            1e3 * errors.mean,
+            1e3 * errors.max,
+            1e3 * errors.rms,
+            1e3 * errors.rms_without_offset
+        )
+    }));
+    verdict.extend(calibration.starts.clone());
     verdict.extend(identifiability(problem, statistics, at, scale));
     verdict
 }
@@ -134,7 +152,7 @@ const TAKES_PART: f64 = 0.2;
 const SHOWN: f64 = 0.1;
 
 /// Which combination the data cannot tell, theory (47).
-fn identifiability(
+pub(super) fn identifiability(
     problem: &Problem,
     statistics: &Statistics,
     at: &Evaluation,
@@ -233,7 +251,7 @@ pub(super) fn warnings(
 
 /// How far from its stated value a quantity may be found before something else is meant: moduli differ by alloy, heat and
 /// direction of fibres, dimensions by tolerance, a density hardly.
-fn tolerated(part: &Part) -> Option<f64> {
+pub(super) fn tolerated(part: &Part) -> Option<f64> {
     match part {
         Part::YoungsModulus { .. } | Part::ShearModulus { .. } => Some(1.0),
         Part::Density { .. } => Some(0.15),

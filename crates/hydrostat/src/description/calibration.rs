@@ -7,7 +7,10 @@ use crate::Error;
 use crate::calibrate::{Loss, Parameter, Prior, Problem};
 use crate::verify::{Experiment, Row};
 
-pub(super) const CALIBRATE_KEYS: &[&str] = &["free", "prior", "bounds", "loss", "holdout"];
+pub(super) const CALIBRATE_KEYS: &[&str] = &["free", "prior", "bounds", "loss", "starts", "folds", "holdout"];
+
+/// Starts, and folds, of which each is a fit of its own.
+const MOST_FITS: usize = 1000;
 
 /// What the flags say; what they leave empty is the file's.
 #[derive(Clone, Debug, Default)]
@@ -19,6 +22,8 @@ pub struct CalibrationFlags {
     /// Such as `length=380 mm to 400 mm`.
     pub bounds: Vec<String>,
     pub loss: Option<Loss>,
+    pub starts: Option<usize>,
+    pub folds: Option<usize>,
     /// A table like that of the experiment that the fit does not see, by its path relative to the experiment file.
     pub holdout: Option<String>,
 }
@@ -28,6 +33,8 @@ pub struct CalibrationFlags {
 pub(super) struct Wanted {
     parameters: Vec<Parameter>,
     loss: Loss,
+    starts: Option<usize>,
+    folds: Option<usize>,
     holdout: Vec<Row>,
 }
 
@@ -70,7 +77,15 @@ pub(super) fn read(experiment: &Experiment, table: &Table, holdout: Vec<Row>) ->
         Some((_, Value::Text(text))) if text == "huber" => Loss::Huber,
         Some((node, _)) => return Err(node.refuse("\"squares\" or \"huber\"")),
     };
-    Ok(Wanted { parameters, loss, holdout })
+    let whole = |key: &str, least: usize| -> Result<Option<usize>, Error> {
+        let Some(node) = table.get(key) else { return Ok(None) };
+        let expected = format!("a whole number from {least} to {MOST_FITS}");
+        let number = node.number(&expected)?;
+        let whole = number.fract() == 0.0 && (least as f64..=MOST_FITS as f64).contains(&number);
+        if whole { Ok(Some(number as usize)) } else { Err(node.refuse(&expected)) }
+    };
+    let (starts, folds) = (whole("starts", 1)?, whole("folds", 2)?);
+    Ok(Wanted { parameters, loss, starts, folds, holdout })
 }
 
 type SetText = fn(&mut Parameter, &str) -> Result<(), Error>;
@@ -111,7 +126,14 @@ pub(super) fn problem(
         }
     }
     let loss = flags.loss.unwrap_or(wanted.loss);
-    Ok(Problem { experiment, parameters: wanted.parameters, loss, holdout: wanted.holdout })
+    Ok(Problem {
+        experiment,
+        parameters: wanted.parameters,
+        loss,
+        starts: flags.starts.or(wanted.starts).unwrap_or(1),
+        folds: flags.folds.or(wanted.folds).unwrap_or(0),
+        holdout: wanted.holdout,
+    })
 }
 
 fn find<'p>(parameters: &'p mut [Parameter], name: &str) -> Result<&'p mut Parameter, Error> {
@@ -166,5 +188,6 @@ fn set_bounds(parameter: &mut Parameter, text: &str) -> Result<(), Error> {
         return Err(Error::new(format!("found {}, expected values above 0", quoted(text))));
     }
     parameter.bounds = [low.max(lowest), high];
+    parameter.bounded = true;
     Ok(())
 }

@@ -52,8 +52,10 @@ const FIRST_DAMPING: f64 = 1e-3;
 const MOST_DAMPING: f64 = 1e12;
 /// Part of the promised decrease below which a step is refused.
 const LEAST_GAIN: f64 = 1e-4;
-/// A search that stalls above this part of the cost has not converged.
+/// A search that stalls above this part of the cost has not converged; one that gains less in so many steps creeps along the floor of a
+/// valley that the data cannot tell from its lowest point.
 const STALLED: f64 = 1e-6;
+const CREEPING: usize = 20;
 
 impl Loss {
     /// Weight of a residual in the normal equations.
@@ -99,6 +101,7 @@ pub fn minimize(
     let mut cost = loss.cost(&at.residuals);
     let mut scale = DVector::<f64>::zeros(x.len());
     let (mut damping, mut growth) = (FIRST_DAMPING, 2.0);
+    let mut earlier = cost;
     for steps in 0..settings.most_steps {
         let (normal, gradient) = loss.normal_equations(&at);
         scale.zip_apply(&normal.diagonal(), |scale, n| *scale = scale.max(n));
@@ -107,6 +110,12 @@ pub fn minimize(
                 (x[i] <= bounds[i][0] && gradient[i] > 0.0) || (x[i] >= bounds[i][1] && gradient[i] < 0.0)
             })
             .collect();
+        if steps % CREEPING == CREEPING - 1 {
+            if earlier - cost <= STALLED * cost {
+                return Ok(Minimum { x, at, held, steps });
+            }
+            earlier = cost;
+        }
         // the longest step that goes down as promised
         loop {
             let step = damped_step(&normal, &gradient, &scale, &held, damping);
