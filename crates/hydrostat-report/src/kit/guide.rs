@@ -2,7 +2,8 @@
 
 use super::{decimal, steps, tables};
 use hydrostat::Robot;
-use hydrostat::fabricate::{FITS, Group, KERF_CUTS, KERF_WINDOW, Kit, Part, Verdict, Workshop};
+use hydrostat::fabricate::{Group, Guide, KERF_CUTS, KERF_WINDOW, Kit, Part, Verdict, Workshop};
+use minijinja::value::merge_maps;
 use minijinja::{Environment, Value, context};
 
 const TEMPLATE: &str = include_str!("guide.html");
@@ -12,80 +13,156 @@ const HALF: f64 = 330.0;
 
 /// One self-contained page (inline CSS and SVG, no scripts) that also prints on A4.
 pub(super) fn page(robot: &Robot, workshop: &Workshop, kit: &Kit, source: &str) -> String {
-    let svg = |text: String| Value::from_safe_string(text);
-    let part = |name: &str| kit.parts.iter().find(|part| part.name == name);
-    let drawn =
-        |name: &str, width: f64| svg(part(name).map_or(String::new(), |part| steps::part(part, width)));
-    let (first, last) = (&kit.guides[0], &kit.guides[kit.guides.len() - 1]);
-    let test = &kit.first_test;
-    let page = context! {
-        name => robot.name,
-        source,
+    let head = context! { name => robot.name.clone(), source, version => env!("CARGO_PKG_VERSION") };
+    let page = merge_maps([
+        head,
+        overview(robot, workshop, kit),
+        coupon(workshop, kit),
+        bench(workshop, kit),
+        guides(robot, workshop, kit),
+        device(robot, workshop, kit),
+        base(robot, workshop, kit),
+        motion(workshop, kit),
+        first_test(robot, kit),
+    ]);
+    // names with `<` or `&` are escaped because the template's name ends in .html
+    Environment::new()
+        .render_named_str("guide.html", TEMPLATE, page)
+        .expect("the template is part of the program")
+}
+
+fn svg(text: String) -> Value {
+    Value::from_safe_string(text)
+}
+
+fn drawn(kit: &Kit, name: &str, width: f64) -> Value {
+    let part = kit.parts.iter().find(|part| part.name == name);
+    svg(part.map_or(String::new(), |part| steps::part(part, width)))
+}
+
+fn overview(robot: &Robot, workshop: &Workshop, kit: &Kit) -> Value {
+    let item = |item: &hydrostat::fabricate::Item| {
+        context! {
+            item => item.item.clone(),
+            specification => item.specification.clone(),
+            quantity => item.quantity,
+            note => item.note.clone(),
+        }
+    };
+    let setting = |setting: hydrostat::fabricate::Setting| {
+        context! { key => setting.key, value => setting.value, default => setting.default }
+    };
+    context! {
         facts => facts(robot, workshop, kit),
         checks => checks(kit),
-        bill => kit.bill.iter().map(|item| context! { item => item.item, specification => item.specification, quantity => item.quantity, note => item.note }).collect::<Vec<_>>(),
-        settings => workshop.settings().into_iter().map(|setting| context! { key => setting.key, value => setting.value, from => if setting.default { "default" } else { "robot file" } }).collect::<Vec<_>>(),
+        bill => kit.bill.iter().map(item).collect::<Vec<_>>(),
+        settings => workshop.settings().into_iter().map(setting).collect::<Vec<_>>(),
         sheets => sheets(kit),
         parts => parts(kit),
+    }
+}
+
+fn coupon(workshop: &Workshop, kit: &Kit) -> Value {
+    context! {
         kerf => decimal(workshop.kerf, 3),
-        half_kerf => decimal(0.5 * workshop.kerf, 4),
         kerf_cuts => KERF_CUTS,
         kerf_window => decimal(KERF_WINDOW, 1),
         expected_gap => decimal(KERF_CUTS as f64 * workshop.kerf, 2),
         press_fit => decimal(workshop.press_fit, 3),
         thickness => decimal(workshop.sheet_thickness, 3),
-        fits => FITS.len(),
-        coupon => drawn("coupon", WHOLE),
+        coupon => drawn(kit, "coupon", WHOLE),
+    }
+}
+
+fn bench(workshop: &Workshop, kit: &Kit) -> Value {
+    context! {
+        grid_size => workshop.bench_size.map(|side| decimal(side, 1)).join(" x "),
+        clamp => drawn(kit, "clamp-30", 200.0),
+        plain => drawn(kit, "clamp-plain", 200.0),
+        grid => svg(steps::grid(kit, workshop)),
+    }
+}
+
+fn guides(robot: &Robot, workshop: &Workshop, kit: &Kit) -> Value {
+    let (first, last) = (&kit.guides[0], &kit.guides[kit.guides.len() - 1]);
+    let tied = |guide: &Guide| guide.holes.iter().map(|hole| (hole.tendon, hole.ends)).collect::<Vec<_>>();
+    let tendon = |hole: &hydrostat::fabricate::TendonHole| {
+        format!("{}{}", robot.tendons[hole.tendon].name, if hole.ends { " (tied)" } else { "" })
+    };
+    let row = |guide: &Guide| {
+        context! {
+            number => guide.number,
+            section => robot.sections[guide.section].name.clone(),
+            s => decimal(guide.s, 2),
+            tendons => guide.holes.iter().map(tendon).collect::<Vec<_>>().join(", "),
+        }
+    };
+    context! {
         first_guide => svg(steps::guide(robot, first, workshop)),
         last_guide => svg(steps::guide(robot, last, workshop)),
-        two_kinds => first.holes.len() != last.holes.len() || first.holes.iter().any(|hole| hole.ends) != last.holes.iter().any(|hole| hole.ends),
+        two_kinds => tied(first) != tied(last),
         first_number => first.number,
         last_number => last.number,
-        guides => kit.guides.iter().map(|guide| context! { number => guide.number, section => robot.sections[guide.section].name, s => decimal(guide.s, 2), tendons => guide.holes.iter().map(|hole| format!("{}{}", robot.tendons[hole.tendon].name, if hole.ends { " (tied)" } else { "" })).collect::<Vec<_>>().join(", ") }).collect::<Vec<_>>(),
-        device_side => svg(steps::device_side(robot, kit, workshop)),
-        device_end => svg(steps::device_end(robot, kit, workshop)),
-        guides_apart => decimal(last.s - first.s, 2),
         first_s => decimal(first.s, 2),
         last_s => decimal(last.s, 2),
-        spool_height => decimal(kit.base.spool_height, 2),
-        test_others => kit.lines.iter().skip(1).map(|line| format!("{}=0N", line.name)).collect::<Vec<_>>().join(","),
+        guides_apart => decimal(last.s - first.s, 2),
+        guides => kit.guides.iter().map(row).collect::<Vec<_>>(),
+    }
+}
+
+fn device(robot: &Robot, workshop: &Workshop, kit: &Kit) -> Value {
+    context! {
+        device_side => svg(steps::device_side(robot, kit, workshop)),
+        device_end => svg(steps::device_end(robot, kit, workshop)),
         comb_pieces => kit.device.combs.len(),
-        aligned => robot.tendons[kit.device.aligned].name,
+        aligned => robot.tendons[kit.device.aligned].name.clone(),
+    }
+}
+
+fn base(robot: &Robot, workshop: &Workshop, kit: &Kit) -> Value {
+    let base = &kit.base;
+    context! {
         base_apart => svg(steps::base_apart(kit, workshop)),
         base_above => svg(steps::base_above(robot, kit, workshop)),
         tendon_way => svg(steps::tendon_way(kit, workshop)),
-        front_plate => drawn("front-plate", HALF),
-        spool_core => drawn("spool-core", 150.0),
-        spool_flange => drawn("spool-flange", 190.0),
-        clamp_plates => kit.base.clamp_plates,
-        rod_in_base => decimal(kit.base.rod_in_base, 2),
-        box_side => decimal(kit.base.side + 2.0 * workshop.sheet_thickness, 2),
-        box_height => decimal(kit.base.height, 2),
-        gap => decimal(kit.base.gap, 2),
+        front_plate => drawn(kit, "front-plate", HALF),
+        spool_core => drawn(kit, "spool-core", 130.0),
+        spool_flange => drawn(kit, "spool-flange", 165.0),
+        clamp_plates => base.clamp_plates,
+        rod_in_base => decimal(base.rod_in_base, 2),
+        spool_height => decimal(base.spool_height, 2),
+        box_side => decimal(base.side + 2.0 * workshop.sheet_thickness, 2),
+        box_height => decimal(base.height, 2),
+        gap => decimal(base.gap, 2),
+    }
+}
+
+fn motion(workshop: &Workshop, kit: &Kit) -> Value {
+    context! {
         lines => lines(kit),
         circumference => decimal(workshop.circumference(), 3),
-        steps_per_mm => format!("{:.4}", workshop.steps_per_length() / 1e3),
+        steps_per_mm => format!("{:.4}", workshop.steps_per_length() / super::MM),
         microstep => format!("{:.2}", 1e6 / workshop.steps_per_length()),
-        test_tendon => robot.tendons[test.tendon].name,
+    }
+}
+
+fn first_test(robot: &Robot, kit: &Kit) -> Value {
+    let test = &kit.first_test;
+    let place = |p: nalgebra::Vector3<f64>| [p.x, p.y, p.z].map(|x| decimal(x, 1)).join(", ");
+    let others = kit.lines.iter().filter(|line| line.tendon != test.tendon);
+    context! {
+        test_tendon => robot.tendons[test.tendon].name.clone(),
         test_axis => kit.lines[test.tendon].axis.to_string(),
         test_pull => decimal(test.pull, 1),
         test_steps => test.steps,
-        test_tip => [test.tip.x, test.tip.y, test.tip.z].map(|x| decimal(x, 1)).join(", "),
-        test_rest => [test.at_rest.x, test.at_rest.y, test.at_rest.z].map(|x| decimal(x, 1)).join(", "),
+        test_tip => place(test.tip),
+        test_rest => place(test.at_rest),
         test_way => decimal((test.tip - test.at_rest).norm(), 1),
         test_tension => format!("{:.2}", test.tension),
         test_strain => format!("{:.2}", 100.0 * test.strain),
+        test_others => others.map(|line| format!("{}=0N", line.name)).collect::<Vec<_>>().join(","),
         first_test => svg(steps::first_test(robot, kit)),
-        grid_size => workshop.bench_size.map(|side| decimal(side, 1)).join(" x "),
-        clamp => drawn("clamp-30", 220.0),
-        plain => drawn("clamp-plain", 220.0),
-        grid => svg(steps::grid(kit, workshop)),
-        version => env!("CARGO_PKG_VERSION"),
-    };
-    // names with `<` or `&` are escaped because the template's name ends in .html
-    Environment::new()
-        .render_named_str("guide.html", TEMPLATE, page)
-        .expect("the template is part of the program")
+    }
 }
 
 fn facts(robot: &Robot, workshop: &Workshop, kit: &Kit) -> Vec<Value> {
@@ -104,7 +181,7 @@ fn checks(kit: &Kit) -> Vec<Value> {
             name => check.name,
             verdict => tables::word(check.verdict),
             good => check.verdict == Verdict::Good,
-            says => check.says,
+            says => check.says.clone(),
             hint => check.hint,
         }
     };
@@ -115,7 +192,7 @@ fn sheets(kit: &Kit) -> Vec<Value> {
     let sheet = |sheet: &hydrostat::fabricate::Sheet| {
         let length: f64 = sheet.placed.iter().map(|on| kit.parts[on.part].cut_length()).sum();
         context! {
-            name => sheet.name,
+            name => sheet.name.clone(),
             size => sheet.size.map(|side| decimal(side, 1)).join(" x "),
             parts => sheet.placed.len(),
             length => format!("{length:.2}"),
@@ -130,7 +207,7 @@ fn parts(kit: &Kit) -> Vec<Value> {
         let size = part.bounds().size();
         context! {
             name,
-            title => if part.group == Group::Guides { "guides, one of each number" } else { &part.title },
+            title => if part.group == Group::Guides { "guides, one of each number".to_owned() } else { part.title.clone() },
             count,
             size => format!("{} x {}", decimal(size.x, 2), decimal(size.y, 2)),
         }
@@ -151,8 +228,8 @@ fn parts(kit: &Kit) -> Vec<Value> {
 fn lines(kit: &Kit) -> Vec<Value> {
     let line = |(i, line): (usize, &hydrostat::fabricate::Line)| {
         context! {
-            name => line.name,
-            ends => line.ends,
+            name => line.name.clone(),
+            ends => line.ends.clone(),
             angle => format!("{:.0}", line.angle.to_degrees()),
             axis => line.axis.to_string(),
             port => format!("board {}, {}", i / 4 + 1, ["X", "Y", "Z", "A"][i % 4]),

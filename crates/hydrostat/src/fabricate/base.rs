@@ -16,7 +16,7 @@ const MM: f64 = 1e-3;
 const PULLEY_WIDTH: f64 = 4.0 * MM;
 /// Of the pulley's flange over its groove, and of the spool's.
 const PULLEY_FLANGE: f64 = 1.0 * MM;
-pub(super) const SPOOL_FLANGE: f64 = 3.0 * MM;
+pub(super) const SPOOL_FLANGE: f64 = 4.0 * MM;
 /// Between turning parts and what stands.
 const AIR: f64 = 2.0 * MM;
 const WASHER: f64 = 0.5 * MM;
