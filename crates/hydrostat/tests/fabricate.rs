@@ -65,45 +65,57 @@ fn contours_are_simple_and_holes_lie_inside() {
     }
 }
 
-/// Every line of the drawings once: a second pass burns.
+/// A second pass burns: no circle twice, no two straight lines that lie on each other for a part of their way.
 #[test]
 fn no_line_is_drawn_twice() {
     for (_, workshop, kit) in kits() {
-        let sheets = kit.sheets.iter().map(|sheet| cut_sheet(&kit, sheet, &workshop));
-        for cut in sheets.chain(kit.parts.iter().map(|part| cut_part(part, &workshop))) {
-            let mut lines = lines(&cut);
-            let count = lines.len();
-            lines.sort();
-            lines.dedup();
-            assert_eq!(lines.len(), count);
+        let sheets = kit.sheets.iter().map(|sheet| (&sheet.name, cut_sheet(&kit, sheet, &workshop)));
+        for (name, cut) in sheets.chain(kit.parts.iter().map(|part| (&part.name, cut_part(part, &workshop))))
+        {
+            let mut circles: Vec<[i64; 3]> = cut.cuts.iter().filter_map(circle).collect();
+            let count = circles.len();
+            circles.sort_unstable();
+            circles.dedup();
+            assert_eq!(circles.len(), count, "{name}");
+            let mut lines: Vec<_> =
+                straight_lines(&cut).into_iter().map(|[a, b]| on_its_line(a, b)).collect();
+            lines.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+            for pair in lines.windows(2) {
+                let apart = pair[0].0 != pair[1].0 || pair[1].1 >= pair[0].2 - EXACT;
+                assert!(apart, "{name}: {pair:?}");
+            }
         }
     }
 }
 
-/// Ends of every straight line, and center and radius of every circle, to a nanometre.
-fn lines(cut: &Cut) -> Vec<[i64; 4]> {
-    let whole = |x: f64| (x / EXACT).round() as i64;
-    let line = |a: Point, b: Point| {
-        let mut ends = [[whole(a.x), whole(a.y)], [whole(b.x), whole(b.y)]];
-        ends.sort_unstable();
-        [ends[0][0], ends[0][1], ends[1][0], ends[1][1]]
-    };
-    let mut lines: Vec<[i64; 4]> = cut.slits.iter().map(|[a, b]| line(*a, *b)).collect();
+fn circle(contour: &Contour) -> Option<[i64; 3]> {
+    let Contour::Circle { center, radius } = contour else { return None };
+    Some([center.x, center.y, *radius].map(|x| (x / EXACT).round() as i64))
+}
+
+fn straight_lines(cut: &Cut) -> Vec<[Point; 2]> {
+    let mut lines = cut.slits.clone();
     for stroke in cut.scores.iter().chain(&cut.engravings) {
-        lines.extend(stroke.windows(2).map(|pair| line(pair[0], pair[1])));
+        lines.extend(stroke.windows(2).map(|pair| [pair[0], pair[1]]));
     }
     for contour in cut.cuts.iter().chain(&cut.pockets) {
-        match contour {
-            Contour::Circle { center, radius } => {
-                lines.push([whole(center.x), whole(center.y), whole(*radius), i64::MAX]);
-            }
-            Contour::Polygon(vertices) => {
-                let next = vertices.iter().cycle().skip(1);
-                lines.extend(vertices.iter().zip(next).map(|(a, b)| line(a.at, b.at)));
-            }
+        if let Contour::Polygon(vertices) = contour {
+            let next = vertices.iter().cycle().skip(1);
+            let straight = vertices.iter().zip(next).filter(|(a, _)| a.bulge == 0.0);
+            lines.extend(straight.map(|(a, b)| [a.at, b.at]));
         }
     }
     lines
+}
+
+/// Direction and distance from the origin of the line through two points, and where on it they lie.
+fn on_its_line(a: Point, b: Point) -> ([i64; 3], f64, f64) {
+    let along = (b - a).normalize();
+    let along = if along.x < -1e-7 || (along.x < 1e-7 && along.y < 0.0) { -along } else { along };
+    let whole = |x: f64, unit: f64| (x / unit).round() as i64;
+    let line = [whole(along.x, 1e-6), whole(along.y, 1e-6), whole(a.perp(&along), 1e-8)];
+    let (from, to) = (a.dot(&along), b.dot(&along));
+    (line, from.min(to), from.max(to))
 }
 
 #[test]

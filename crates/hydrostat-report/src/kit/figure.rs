@@ -8,6 +8,8 @@ use std::fmt::Write;
 
 pub(super) const LETTERS: f64 = 12.0; // px
 const MARGIN: f64 = 10.0;
+/// Letters of other fonts than Roboto may be so much wider.
+const WIDER: f64 = 1.2;
 
 /// How a line or area is drawn.
 #[derive(Clone, Copy)]
@@ -100,7 +102,7 @@ impl Figure {
 
     pub(super) fn text(&mut self, at: Point, text: &str, anchor: Anchor) {
         let p = self.px(at);
-        let width = text::width(text, LETTERS);
+        let width = WIDER * text::width(text, LETTERS);
         let (word, left) = match anchor {
             Anchor::Start => ("start", 0.0),
             Anchor::Middle => ("middle", 0.5 * width),

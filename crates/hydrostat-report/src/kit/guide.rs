@@ -154,7 +154,7 @@ fn first_test(robot: &Robot, kit: &Kit) -> Value {
         test_tendon => robot.tendons[test.tendon].name.clone(),
         test_axis => kit.lines[test.tendon].axis.to_string(),
         test_pull => decimal(test.pull, 1),
-        test_steps => test.steps,
+        test_steps => format!("{:.0}", test.steps),
         test_tip => place(test.tip),
         test_rest => place(test.at_rest),
         test_way => decimal((test.tip - test.at_rest).norm(), 1),

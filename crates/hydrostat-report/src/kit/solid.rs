@@ -1,100 +1,96 @@
 //! Parts as solids for a printer: binary STL in millimetres.
+//!
+//! The part's plane is cut into triangles along outline, holes and channels; each is raised to its height, and where heights differ
+//! a wall stands between them, in layers, so that every edge has two facets.
 
 use hydrostat::fabricate::Part;
 use hydrostat::planar::{Contour, Point};
+use nalgebra::Vector3;
+use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
 /// Largest distance of a facet from its arc, as a part of the radius.
-const FACET: f64 = 1e-3;
+const FACET: f64 = 1e-4;
 
-type Triangle = [[f64; 3]; 3];
+type Triangle = [Vector3<f64>; 3];
 
-/// A closed surface; engraved areas are cut as deep as they are engraved, lines are left out.
+/// A closed surface; engraved areas are as deep as they are engraved, lines are left out.
 pub(super) fn stl(part: &Part, thickness: f64) -> Vec<u8> {
-    let mut triangles = Vec::new();
-    let depth = part.pockets.iter().map(|(_, depth)| *depth).fold(0.0, f64::max);
-    prism(&mut triangles, &part.outline, &part.holes, 0.0, thickness - depth);
-    if let [(channel, depth)] = &part.pockets[..] {
-        for side in beside(&part.outline, channel) {
-            let inside = |hole: &&Contour| side.contains(hole.bounds().low.lerp(&hole.bounds().high, 0.5));
-            let holes: Vec<Contour> = part.holes.iter().filter(inside).cloned().collect();
-            prism(&mut triangles, &side, &holes, thickness - depth, thickness);
+    let plane = triangulate(part);
+    let mut levels: Vec<f64> = part.pockets.iter().map(|(_, depth)| thickness - depth).collect();
+    levels.extend([0.0, thickness]);
+    levels.sort_by(f64::total_cmp);
+    levels.dedup();
+    let height = |middle: Point| {
+        if !part.outline.contains(middle) || part.holes.iter().any(|hole| hole.contains(middle)) {
+            return 0.0;
         }
-    }
-    encode(&triangles)
+        let pocket = part.pockets.iter().find(|(pocket, _)| pocket.contains(middle));
+        pocket.map_or(thickness, |(_, depth)| thickness - depth)
+    };
+    encode(&raise(&plane, &levels, height))
 }
 
-/// What a channel across leaves of an outline: the two parts beyond its long sides.
-fn beside(outline: &Contour, channel: &Contour) -> [Contour; 2] {
-    let corners = channel.chords(FACET);
-    let middle = channel.bounds().low.lerp(&channel.bounds().high, 0.5);
-    let [a, b] = [corners[1] - corners[0], corners[2] - corners[1]];
-    let along = if a.norm() > b.norm() { a } else { b };
-    let across = Point::new(-along.y, along.x).normalize();
-    let half = corners.iter().map(|corner| across.dot(&(corner - middle))).fold(0.0, f64::max);
-    [across, -across].map(|out| clipped(&outline.chords(FACET), middle + half * out, out))
-}
+type Plane = ConstrainedDelaunayTriangulation<Point2<f64>>;
 
-/// The part of a convex polygon beyond a line through `on`, on the side of `out`.
-fn clipped(corners: &[Point], on: Point, out: Point) -> Contour {
-    let beyond = |p: Point| out.dot(&(p - on));
-    let mut kept = Vec::new();
-    for (i, &a) in corners.iter().enumerate() {
-        let b = corners[(i + 1) % corners.len()];
-        if beyond(a) >= 0.0 {
-            kept.push(a);
-        }
-        if beyond(a) * beyond(b) < 0.0 {
-            kept.push(a.lerp(&b, beyond(a) / (beyond(a) - beyond(b))));
-        }
-    }
-    Contour::polygon(kept)
-}
-
-/// A prism over a contour with holes, from one height to another.
-fn prism(triangles: &mut Vec<Triangle>, outline: &Contour, holes: &[Contour], low: f64, high: f64) {
-    let rings: Vec<Vec<Point>> =
-        std::iter::once(outline).chain(holes).map(|ring| ring.chords(FACET)).collect();
-    let corners: Vec<[f64; 2]> = rings.iter().flatten().map(|p| [p.x, p.y]).collect();
-    let mut starts = Vec::new();
-    let mut count = 0;
-    for ring in &rings {
-        starts.push(count as u32);
-        count += ring.len();
-    }
-    let mut faces: Vec<u32> = Vec::new();
-    earcut::Earcut::new().earcut(corners.iter().copied(), &starts[1..], &mut faces);
-    let at = |i: u32, z: f64| [corners[i as usize][0], corners[i as usize][1], z];
-    for face in faces.chunks_exact(3) {
-        let [mut a, b, mut c] = [face[0], face[1], face[2]];
-        if turn(corners[a as usize], corners[b as usize], corners[c as usize]) < 0.0 {
-            std::mem::swap(&mut a, &mut c);
-        }
-        triangles.push([at(a, high), at(b, high), at(c, high)]);
-        triangles.push([at(c, low), at(b, low), at(a, low)]);
-    }
-    for (r, ring) in rings.iter().enumerate() {
-        for i in 0..ring.len() {
-            let (mut a, mut b) = (starts[r] + i as u32, starts[r] + ((i + 1) % ring.len()) as u32);
-            if r > 0 {
-                std::mem::swap(&mut a, &mut b); // holes turn the other way
+fn triangulate(part: &Part) -> Plane {
+    let mut plane = Plane::new();
+    let rings = std::iter::once(&part.outline)
+        .chain(&part.holes)
+        .chain(part.pockets.iter().map(|(pocket, _)| pocket));
+    for ring in rings.map(|ring: &Contour| ring.chords(FACET)) {
+        let insert = |p: &Point| plane.insert(Point2::new(p.x, p.y)).expect("coordinates are finite");
+        let corners: Vec<_> = ring.iter().map(insert).collect();
+        for (i, from) in corners.iter().enumerate() {
+            let to = corners[(i + 1) % corners.len()];
+            if *from != to {
+                plane.add_constraint_and_split(*from, to, |point| point);
             }
-            triangles.push([at(a, low), at(b, low), at(b, high)]);
-            triangles.push([at(a, low), at(b, high), at(a, high)]);
         }
     }
+    plane
 }
 
-fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
-    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+/// Lids and floors of every triangle that is not empty, and the walls between different heights.
+fn raise(plane: &Plane, levels: &[f64], height: impl Fn(Point) -> f64) -> Vec<Triangle> {
+    let mut triangles = Vec::new();
+    let point = |p: Point2<f64>, z: f64| Vector3::new(p.x, p.y, z);
+    let heights: Vec<f64> = plane
+        .all_faces()
+        .map(|face| match face.as_inner() {
+            Some(face) => {
+                let [a, b, c] = face.positions();
+                height(Point::new((a.x + b.x + c.x) / 3.0, (a.y + b.y + c.y) / 3.0))
+            }
+            None => 0.0,
+        })
+        .collect();
+    for face in plane.inner_faces() {
+        let top = heights[face.fix().index()];
+        if top > 0.0 {
+            let [a, b, c] = face.positions();
+            triangles.push([a, b, c].map(|p| point(p, top)));
+            triangles.push([c, b, a].map(|p| point(p, 0.0)));
+        }
+    }
+    for edge in plane.directed_edges() {
+        let (mine, beyond) = (heights[edge.face().fix().index()], heights[edge.rev().face().fix().index()]);
+        let [a, b] = edge.positions();
+        let layers = levels.windows(2).filter(|layer| layer[0] >= beyond && layer[1] <= mine);
+        for layer in layers {
+            let [low, high] = [layer[0], layer[1]];
+            triangles.push([point(a, low), point(b, low), point(b, high)]);
+            triangles.push([point(a, low), point(b, high), point(a, high)]);
+        }
+    }
+    triangles
 }
 
 fn encode(triangles: &[Triangle]) -> Vec<u8> {
     let mut bytes = vec![0; 80];
     bytes[..24].copy_from_slice(b"hydrostat, millimetres  ");
     bytes.extend((triangles.len() as u32).to_le_bytes());
-    for triangle in triangles {
-        let [a, b, c] = triangle.map(nalgebra::Vector3::from);
-        let normal = (b - a).cross(&(c - a)).normalize();
+    for [a, b, c] in triangles {
+        let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default();
         let corners = [a, b, c].map(|corner| corner * super::MM);
         for vector in std::iter::once(normal).chain(corners) {
             bytes.extend(vector.iter().flat_map(|x| (*x as f32).to_le_bytes()));

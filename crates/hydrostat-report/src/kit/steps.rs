@@ -147,7 +147,7 @@ pub(super) fn device_end(robot: &Robot, kit: &Kit, workshop: &Workshop) -> Strin
 /// The motor plate from above with what stands on it.
 pub(super) fn base_above(robot: &Robot, kit: &Kit, workshop: &Workshop) -> String {
     let base = &kit.base;
-    let mut figure = Figure::new(520.0 / (base.side * MM));
+    let mut figure = Figure::new(400.0 / (base.side * MM));
     if let Some(plate) = kit.parts.iter().find(|part| part.name == "motor-plate") {
         draw_part(&mut figure, plate, Point::zeros());
     }
@@ -175,7 +175,7 @@ pub(super) fn tendon_way(kit: &Kit, workshop: &Workshop) -> String {
     let out = direction(place.angle);
     let [hole, pulley, shaft] = [place.tendon_at, place.pulley, place.shaft].map(|p| p.dot(&out));
     let t = workshop.sheet_thickness;
-    let mut figure = Figure::new(5.0);
+    let mut figure = Figure::new(3.6);
     let reach = shaft + 0.5 * workshop.motor.frame.side + 4.0 * MILLI;
     let bar = |x0: f64, x1: f64, z0: f64, z1: f64| {
         Contour::rectangle(0.5 * Point::new(x0 + x1, z0 + z1), Point::new(x1 - x0, z1 - z0))
@@ -223,7 +223,11 @@ pub(super) fn tendon_way(kit: &Kit, workshop: &Workshop) -> String {
         Pen::Rod,
     );
     figure.dimension(Point::new(reach, 0.0), Point::new(reach, base.gap), -4.0 * MILLI, &mm(base.gap));
-    figure.text(Point::new(-clamp, base.gap + t + 8.0 * MILLI), "rod and tendon to the robot", Anchor::Start);
+    figure.text(
+        Point::new(hole + 3.0 * MILLI, base.gap + t + 8.0 * MILLI),
+        "rod and tendon, to the robot",
+        Anchor::Start,
+    );
     figure.finish("the way of a tendon: front plate, pulley, spool")
 }
 
@@ -310,7 +314,7 @@ pub(super) fn first_test(robot: &Robot, kit: &Kit) -> String {
 pub(super) fn grid(kit: &Kit, workshop: &Workshop) -> String {
     let [width, height] = workshop.bench_size;
     let Some(grid) = kit.parts.iter().find(|part| part.name == "grid") else { return String::new() };
-    let mut figure = Figure::new(420.0 / (height * MM));
+    let mut figure = Figure::new(330.0 / (height * MM));
     figure.shape(&grid.outline, &grid.holes, Pen::Part);
     for line in &grid.engravings {
         figure.line(

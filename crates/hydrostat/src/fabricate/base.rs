@@ -165,10 +165,15 @@ fn places(robot: &Robot, workshop: &Workshop, pulley_radius: f64) -> Vec<MotorPl
     };
     let distance =
         distance(workshop, pulley_radius, count, (0..count).map(|k| at(k).dot(&direction(angles[k]))));
+    // axes in the order of the tendons, spare ones last
+    let number = |k: usize| match taken[k] {
+        Some(tendon) => tendon,
+        None => tendons.len() + taken[..k].iter().filter(|tendon| tendon.is_none()).count(),
+    };
     let place = |k: usize| {
         let (out, across) = (direction(angles[k]), direction(angles[k] + FRAC_PI_2));
         MotorPlace {
-            axis: axis(k),
+            axis: axis(number(k)),
             angle: angles[k],
             tendon: taken[k],
             tendon_at: at(k),

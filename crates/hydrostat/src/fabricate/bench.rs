@@ -1,5 +1,6 @@
 //! The verification bench: a grid to read tips on, and clamps that hold a rod at 0, 30 and 60 degrees.
 
+use super::lettering;
 use super::part::{Group, Part};
 use super::workshop::{Workshop, short};
 use crate::Robot;
@@ -7,10 +8,15 @@ use crate::planar::{Contour, Point, direction};
 
 const MM: f64 = 1e-3;
 const FINE: f64 = 1.0 * MM;
-/// Every so many lines is a heavy one, with a number at every fifth of them.
+/// Along the lower and left edge without fine lines, for the numbers.
+const STRIP: f64 = 5.0 * MM;
+/// Every so many lines is a heavy one, and every so many have a number beside them.
 const HEAVY: usize = 10;
 const NUMBERED: usize = 20;
 const LETTERS: f64 = 3.0 * MM;
+const NUMBERS: f64 = 2.4 * MM;
+/// Puts letters of 3 mm, whose raster is 0.5 mm, between the fine lines.
+const BETWEEN: f64 = 0.25 * MM;
 /// Sets of holes for a clamp, one below the other.
 const SETS: usize = 7;
 const CLAMP: f64 = 40.0 * MM;
@@ -54,7 +60,7 @@ fn clamp(workshop: &Workshop, rod: f64, degrees: f64) -> Part {
     let channel =
         Contour::polygon([corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)]);
     part.pockets.push((channel, CHANNEL * rod));
-    part.engrave(&format!("{degrees} DEG"), Point::new(0.0, -0.5 * CLAMP + 4.0 * MM), LETTERS);
+    part.engrave(&format!("{degrees} DEG"), Point::new(-8.0 * MM, 9.0 * MM), LETTERS); // clear of every channel
     part
 }
 
@@ -70,17 +76,22 @@ fn grid(workshop: &Workshop) -> Part {
         let count = (length / FINE - 1e-9).ceil() as usize;
         for i in 1..count {
             let at = i as f64 * FINE;
-            let line = vec![point(at, 0.0), point(at, other)];
-            if i % HEAVY == 0 { part.engravings.push(line) } else { part.scores.push(line) }
+            if i % HEAVY == 0 {
+                part.engravings.push(vec![point(at, 0.0), point(at, other)]);
+            } else if at > STRIP {
+                part.scores.push(vec![point(at, STRIP), point(at, other)]);
+            }
         }
     }
     let numbers =
-        |length: f64| (1..).map(|i| i * NUMBERED).take_while(move |i| *i as f64 * FINE < length - 8.0 * MM);
+        |length: f64| (1..).map(|i| i * NUMBERED).take_while(move |i| *i as f64 * FINE < length - 10.0 * MM);
+    // beside their line, not on it
+    let beside = |i: usize| i as f64 * FINE + 0.5 * lettering::width(&i.to_string(), NUMBERS) + 0.6 * MM;
     for i in numbers(width) {
-        part.engrave(&i.to_string(), Point::new(i as f64 * FINE, 2.5 * MM), LETTERS * 0.8);
+        part.engrave(&i.to_string(), Point::new(beside(i), 0.5 * STRIP), NUMBERS);
     }
     for i in numbers(height) {
-        part.engrave_upright(&i.to_string(), Point::new(2.5 * MM, i as f64 * FINE), LETTERS * 0.8);
+        part.engrave_upright(&i.to_string(), Point::new(0.5 * STRIP, beside(i)), NUMBERS);
     }
     sets(workshop, &mut part);
     levels(&mut part);
@@ -97,7 +108,11 @@ fn sets(workshop: &Workshop, part: &mut Part) {
         let ideal = margin + (height - 2.0 * margin) * i as f64 / (SETS - 1) as f64;
         let y = (ideal / ten).round() * ten;
         part.holes.extend(clamp_holes(workshop, Point::new(x, y)));
-        part.engrave(&(i + 1).to_string(), Point::new(x + 5.0 * MM, y + 5.0 * MM), 4.0 * MM);
+        part.engrave(
+            &(i + 1).to_string(),
+            Point::new(x + 4.0 * MM, y + 4.5 * MM).add_scalar(BETWEEN),
+            LETTERS,
+        );
     }
 }
 
@@ -115,5 +130,6 @@ fn levels(part: &mut Part) {
         let across = 0.5 * Point::new(-inward.y, inward.x);
         part.engravings.push(vec![edge + inward + across, edge, edge + inward - across]);
     }
-    part.engrave("LEVEL", Point::new(size.x - 16.0 * MM, y + 3.5 * MM), 3.5 * MM);
+    let label = Point::new(((size.x - 16.0 * MM) / FINE).floor(), (y / FINE).floor() + 3.5) * FINE;
+    part.engrave("LEVEL", label.add_scalar(BETWEEN), LETTERS);
 }

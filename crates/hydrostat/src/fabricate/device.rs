@@ -174,26 +174,12 @@ fn comb_part(
             part.engrave_upright(&text, Point::new(x(*s), low - 0.5 * width - 0.8 * MM), LETTERS);
         }
     }
-    for (at, text) in [(0.0, "0"), (length, "TIP")] {
-        if (comb.from..=comb.to).contains(&at) {
-            let top = if comb.slots.contains(&at) { bottom(workshop, device, held(at)) } else { height };
-            part.scores.push(vec![
-                Point::new(x(at), 0.5 * MM),
-                Point::new(
-                    x(at),
-                    top - if top < height {
-                        super::lettering::width(&short(at / MM), LETTERS) + 1.5 * MM
-                    } else {
-                        0.5 * MM
-                    },
-                ),
-            ]);
-            part.engrave(
-                text,
-                Point::new(x(at) + if at == 0.0 { 2.0 } else { 4.0 } * MM, 2.5 * MM),
-                2.5 * MM,
-            );
-        }
+    if comb.from == 0.0 {
+        part.scores.push(vec![Point::new(x(0.0), 0.5 * MM), Point::new(x(0.0), height - 0.5 * MM)]);
+        part.engrave("0", Point::new(x(0.0) + 2.0 * MM, 2.5 * MM), 2.5 * MM);
+    }
+    if comb.to == length {
+        part.engrave("TIP", Point::new(x(length) + 0.5 * END, 0.75 * height), 2.5 * MM);
     }
     part
 }
@@ -234,7 +220,7 @@ fn cradle(robot: &Robot, workshop: &Workshop, device: &Device, rod: f64, largest
     part.holes.push(Contour::circle(Point::new(0.0, device.axis_height), 0.5 * (rod + FREE)));
     part.engrave(
         &robot.tendons[device.aligned].name.to_uppercase(),
-        Point::new(0.5 * half, 5.0 * MM),
+        Point::new(half - 5.0 * MM, 5.0 * MM),
         3.0 * MM,
     );
     part.count = device.combs.iter().map(|comb| comb.across.len()).sum();
