@@ -4,6 +4,7 @@
 
 mod count;
 mod docs;
+mod drawings;
 mod licences;
 mod test;
 

@@ -89,6 +89,8 @@ fn design(robot: &Robot, workshop: &Workshop) -> Result<Design, Error> {
     parts.extend(base.parts.iter().chain(&device.parts).cloned());
     parts.extend(bench::bench(robot, workshop));
     let mut checks = design::of_parts(workshop, &guides, &base, &parts);
+    checks.extend(design::rod_joints(robot));
+    checks.extend(design::alignment(robot, &device));
     checks.extend(design::of_robot(robot, workshop, &guides)?);
     Ok(Design { guides, base, device, parts, checks })
 }

@@ -77,8 +77,8 @@ fn coupon(workshop: &Workshop, kit: &Kit) -> Value {
 fn bench(workshop: &Workshop, kit: &Kit) -> Value {
     context! {
         grid_size => workshop.bench_size.map(|side| decimal(side, 1)).join(" x "),
-        clamp => drawn(kit, "clamp-30", 200.0),
-        plain => drawn(kit, "clamp-plain", 200.0),
+        clamp => drawn(kit, "clamp-30", 150.0),
+        plain => drawn(kit, "clamp-plain", 150.0),
         grid => svg(steps::grid(kit, workshop)),
     }
 }
@@ -128,6 +128,7 @@ fn base(robot: &Robot, workshop: &Workshop, kit: &Kit) -> Value {
         front_plate => drawn(kit, "front-plate", HALF),
         spool_core => drawn(kit, "spool-core", 130.0),
         spool_flange => drawn(kit, "spool-flange", 165.0),
+        spare_places => base.places.len() - kit.lines.len(),
         clamp_plates => base.clamp_plates,
         rod_in_base => decimal(base.rod_in_base, 2),
         spool_height => decimal(base.spool_height, 2),

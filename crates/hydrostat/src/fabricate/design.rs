@@ -1,6 +1,7 @@
 //! Whether the design can be built and will work, in plain words, before anything is cut.
 
 use super::base::{Base, SPOOL_FLANGE};
+use super::device::{Device, parallel};
 use super::guides::Guide;
 use super::nesting;
 use super::part::Part;
@@ -328,6 +329,38 @@ fn spacing(shape: &Equilibrium) -> Option<DesignCheck> {
         says,
         "set the guides nearer to each other",
     ))
+}
+
+/// Where one rod ends and another begins, nothing but the builder holds them together.
+pub(super) fn rod_joints(robot: &Robot) -> Vec<DesignCheck> {
+    let mut checks = Vec::new();
+    let mut at = 0.0;
+    for pair in robot.sections.windows(2) {
+        at += pair[0].length;
+        let same = pair[0].profile.tip == pair[1].profile.base && pair[0].material == pair[1].material;
+        let [a, b] = [pair[0].profile.tip, pair[1].profile.base].map(|end| short(end.thickness() / MM));
+        let says = format!(
+            "at s = {:.1} mm the rod changes from {a} to {b} mm ({} to {}), and the drawings do not join the two",
+            at / MM,
+            pair[0].material.name,
+            pair[1].material.name
+        );
+        let hint = "glue both into a short sleeve behind the guide there, or give the sections one profile";
+        checks.push(DesignCheck::unless(same, Verdict::Doubtful, "rod joint", says, hint));
+    }
+    checks.retain(|check| check.verdict != Verdict::Good);
+    checks
+}
+
+/// A wire can align the guides only through holes that lie on a line.
+pub(super) fn alignment(robot: &Robot, device: &Device) -> Option<DesignCheck> {
+    let name = &robot.tendons[device.aligned].name;
+    let says = format!(
+        "no tendon that passes every guide is parallel to the rod; the holes of {name} do not lie on a line"
+    );
+    let hint = "turn each guide by hand in the assembly device, its hole at the angle of the model";
+    let parallel = parallel(robot, device.aligned);
+    (!parallel).then(|| DesignCheck::unless(false, Verdict::Doubtful, "alignment", says, hint))
 }
 
 /// How far the tip moves for one microstep of each motor, from the shape as commanded.

@@ -75,7 +75,7 @@ pub(super) fn device(robot: &Robot, workshop: &Workshop, guides: &[Guide]) -> Re
             .hint("space the guides wider or take a thinner sheet"));
         }
     }
-    let aligned = guides.last().and_then(|guide| guide.holes.first()).map_or(0, |hole| hole.tendon);
+    let aligned = aligned(robot, guides);
     let axis_height = FLOOR + largest;
     let comb_height = axis_height - BELOW * smallest;
     let mut device = Device {
@@ -93,6 +93,19 @@ pub(super) fn device(robot: &Robot, workshop: &Workshop, guides: &[Guide]) -> Re
     let cradle = cradle(robot, workshop, &device, rod, largest);
     device.parts.push(cradle);
     Ok(device)
+}
+
+/// The first tendon that is parallel to the rod and passes every guide; else the first that passes them.
+fn aligned(robot: &Robot, guides: &[Guide]) -> usize {
+    let mut passing = guides.last().into_iter().flat_map(|guide| &guide.holes).map(|hole| hole.tendon);
+    let first = passing.clone().next().unwrap_or(0);
+    passing.find(|&tendon| parallel(robot, tendon)).unwrap_or(first)
+}
+
+/// Whether a wire through its holes is straight and parallel to the rod.
+pub(super) fn parallel(robot: &Robot, tendon: usize) -> bool {
+    let path = &robot.tendons[tendon].path;
+    path.turns == 0.0 && path.radius == path.tip_radius
 }
 
 /// As few pieces as the sheet's width allows, cut in the middle between guides.
