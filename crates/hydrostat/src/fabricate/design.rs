@@ -70,10 +70,9 @@ pub(super) fn of_parts(
     base: &Base,
     parts: &[Part],
 ) -> Vec<DesignCheck> {
-    let mut checks = vec![sheet(workshop, parts)];
+    let mut checks = vec![sheet(workshop, parts), spool(workshop)];
     checks.extend(webs(workshop, parts));
     checks.push(small_holes(workshop, parts));
-    checks.push(spool(workshop));
     checks.push(base_room(workshop, base));
     checks.push(guide_hole(workshop, guides));
     checks
@@ -193,52 +192,50 @@ fn spool(workshop: &Workshop) -> DesignCheck {
     )
 }
 
-/// Pulleys, brackets and motors must not meet each other.
+/// Pulleys, brackets, spools and motors must not meet each other.
 fn base_room(workshop: &Workshop, base: &Base) -> DesignCheck {
-    let used: Vec<_> = base.places.iter().filter(|place| place.tendon.is_some()).collect();
-    let mut least = (f64::INFINITY, String::new());
-    let mut see = |gap: f64, what: String| {
-        if gap < least.0 {
-            least = (gap, what);
-        }
-    };
-    for (i, place) in used.iter().enumerate() {
-        let mine = base.pulley_footprint(workshop, place);
-        for other in &used[i + 1..] {
-            let theirs = base.pulley_footprint(workshop, other);
-            for (a, b) in mine.iter().flat_map(|a| theirs.iter().map(move |b| (a, b))) {
-                let gap = if a.contains(b.chords(1e-2)[0]) || b.contains(a.chords(1e-2)[0]) {
-                    0.0
-                } else {
-                    a.gap(b)
-                };
-                see(gap, format!("the pulleys of axes {} and {}", place.axis, other.axis));
-            }
-        }
-        let spool = Contour::circle(place.shaft, 0.5 * workshop.spool_diameter + SPOOL_FLANGE);
-        for other in base.places.iter() {
-            let gap = base
-                .pulley_footprint(workshop, place)
-                .iter()
-                .map(|part| part.gap(&Contour::circle(other.shaft, spool.bounds().size().x / 2.0)))
-                .fold(f64::INFINITY, f64::min);
-            see(gap, format!("the pulley of axis {} and the spool of {}", place.axis, other.axis));
-        }
-    }
+    let mut gaps = pulley_gaps(workshop, base);
     for (i, place) in base.places.iter().enumerate() {
         for other in &base.places[i + 1..] {
             // squares turned against each other
             let gap = (place.shaft - other.shaft).norm() - workshop.motor.frame.side * 2f64.sqrt();
-            see(gap, format!("the motors of axes {} and {}", place.axis, other.axis));
+            gaps.push((gap, format!("the motors of axes {} and {}", place.axis, other.axis)));
         }
     }
-    let (gap, what) = least;
-    if gap == f64::INFINITY {
+    let Some((gap, what)) = gaps.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)) else {
         return DesignCheck::good("room in the base", "one motor with its pulley".to_owned());
-    }
-    let says = format!("{what} are {} mm apart, and nothing else is nearer", short(gap / MM));
+    };
+    let says = if gap > 0.0 {
+        format!("{what} are {} mm apart, and nothing else is nearer", short(gap / MM))
+    } else {
+        format!("{what} meet")
+    };
     let hint = "spread the tendons' angles or radii, or take smaller pulleys (pulley_diameter)";
     DesignCheck::unless(gap > 0.0, Verdict::Impossible, "room in the base", says, hint)
+}
+
+/// Of each pulley with its bracket from the other pulleys and from all spools; 0 where they meet.
+fn pulley_gaps(workshop: &Workshop, base: &Base) -> Vec<(f64, String)> {
+    let used: Vec<_> = base.places.iter().filter(|place| place.tendon.is_some()).collect();
+    let inside = |a: &Contour, b: &Contour| b.contains(a.chords(1e-2)[0]) || a.contains(b.chords(1e-2)[0]);
+    let apart = |a: &[Contour], b: &[Contour]| {
+        let pairs = a.iter().flat_map(|a| b.iter().map(move |b| (a, b)));
+        pairs.map(|(a, b)| if inside(a, b) { 0.0 } else { a.gap(b) }).fold(f64::INFINITY, f64::min)
+    };
+    let mut gaps = Vec::new();
+    for (i, place) in used.iter().enumerate() {
+        let pulley = base.pulley_footprint(workshop, place);
+        for other in &used[i + 1..] {
+            let gap = apart(&pulley, &base.pulley_footprint(workshop, other));
+            gaps.push((gap, format!("the pulleys of axes {} and {}", place.axis, other.axis)));
+        }
+        for other in &base.places {
+            let spool = Contour::circle(other.shaft, 0.5 * workshop.spool_diameter + SPOOL_FLANGE);
+            let what = format!("the pulley of axis {} and the spool of {}", place.axis, other.axis);
+            gaps.push((apart(&pulley, &[spool]), what));
+        }
+    }
+    gaps
 }
 
 fn guide_hole(workshop: &Workshop, guides: &[Guide]) -> DesignCheck {
