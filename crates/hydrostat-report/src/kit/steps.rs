@@ -70,12 +70,12 @@ pub(super) fn guide(robot: &Robot, guide: &Guide, workshop: &Workshop) -> String
     figure.dimension(
         low - guide.radius * Point::x(),
         low + guide.radius * Point::x(),
-        -0.25 * guide.radius,
+        -0.42 * guide.radius,
         &mm(2.0 * guide.radius),
     );
     let rod = guide.part.holes[0].bounds().size().x;
     let text = format!("rod {}, tendons {}", mm(rod), mm(workshop.tendon_hole()));
-    figure.text(Point::new(0.0, -1.62 * guide.radius), &text, Anchor::Middle);
+    figure.text(Point::new(0.0, -1.85 * guide.radius), &text, Anchor::Middle);
     figure.finish(&guide.part.title)
 }
 
