@@ -113,7 +113,7 @@ def check_paper(kit, librecad):
     """Sizes on LibreCAD's own print, against the cut list."""
     parts = {row["part"]: row for row in rows(kit, "cut-list.csv")}
     kerf = float(next(r["value"] for r in rows(kit, "settings.csv") if r["key"] == "kerf").split()[0])
-    for name in ("guide-01", "motor-plate", "comb-1", "clamp-30"):
+    for name in ("guide-01", "motor-plate", "comb-1", "clamp-plain"):
         path = kit / "parts" / f"{name}.dxf"
         subprocess.run([librecad, "dxf2pdf", str(path)], check=True, capture_output=True, timeout=120)
         rectangles = [drawn["rect"] for drawn in pymupdf.open(path.with_suffix(".pdf"))[0].get_drawings()]

@@ -105,7 +105,7 @@ fn what_cannot_be_built_leaves_nothing_behind() {
     for (i, (fabrication, words)) in [
         (
             "sheet_size = \"[300, 10] mm\"",
-            "sheet size: coupon of 120 x 72 mm and 45 more cannot be cut from a sheet of 300 x 10 mm",
+            "sheet size: coupon of 120 x 72 mm and 46 more cannot be cut from a sheet of 300 x 10 mm",
         ),
         ("spool_diameter = \"4 mm\"", "spool: spool of 4 mm on a shaft of 5 mm (NEMA 17); least 8 mm"),
         ("kerf = \"0.15\"", "found a number without a unit, expected a length"),

@@ -3,13 +3,13 @@
 //! Each tendon comes straight back from its hole, turns outwards over an idle pulley and runs onto the spool of its motor, all in
 //! the plane of that spool. Axes: z along the backbone, x and y its d1 and d2, z = 0 on the motor plate.
 
-use super::guides::{rod_hole, tendon_holes};
+use super::guides::{TendonHole, rod_hole, tendon_holes};
 use super::part::{Group, Part, Placed, tabbed};
 use super::workshop::Workshop;
 use crate::planar::{Contour, Point, direction};
 use crate::{Error, Robot};
 use nalgebra::Vector3;
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 const MM: f64 = 1e-3;
 /// Of a ball bearing with a groove, 3 x 12 x 4 mm.
@@ -29,6 +29,8 @@ const CABLES: f64 = 12.0 * MM;
 const LETTERS: f64 = 5.0 * MM;
 /// Turns that stay on the spool.
 const TURNS_KEPT: f64 = 3.0;
+/// Steps of 1 mm by which motors may be moved out.
+const FARTHEST: usize = 500;
 /// For the knots at both ends.
 const KNOTS: f64 = 150.0 * MM;
 
@@ -139,38 +141,21 @@ fn places(robot: &Robot, workshop: &Workshop, pulley_radius: f64) -> Vec<MotorPl
     let tendons = tendon_holes(robot, 0.0);
     let spare = if robot.sections.len() == 1 { tendons.len() } else { 0 };
     let count = tendons.len() + workshop.spare_motors.unwrap_or(spare);
-    let angle_of = |p: Point| if p.norm() > 0.0 { p.y.atan2(p.x).rem_euclid(TAU) } else { 0.0 };
     let first = angle_of(tendons[0].center);
     let angles: Vec<f64> =
         (0..count).map(|k| (first + TAU * k as f64 / count as f64).rem_euclid(TAU)).collect();
-    let mut taken: Vec<Option<usize>> = vec![None; count];
-    for hole in &tendons {
-        let apart = |k: &usize| {
-            let turn = (angles[*k] - angle_of(hole.center)).rem_euclid(TAU);
-            turn.min(TAU - turn)
-        };
-        let free = (0..count).filter(|&k| taken[k].is_none());
-        // ties go to the first, rounding aside
-        let nearest = free.min_by(|a, b| {
-            (apart(a) - 1e-9 * (count - a) as f64).total_cmp(&(apart(b) - 1e-9 * (count - b) as f64))
-        });
-        taken[nearest.expect("there is a place for every tendon")] = Some(hole.tendon);
-    }
+    let taken = assigned(&tendons, &angles);
     let usual = tendons[0].center.norm();
-    let at = |k: usize| match taken[k] {
-        Some(tendon) => {
-            tendons.iter().find(|hole| hole.tendon == tendon).map_or(Point::zeros(), |hole| hole.center)
-        }
-        None => usual * direction(angles[k]),
+    let at = |k: usize| {
+        let hole = tendons.iter().find(|hole| taken[k] == Some(hole.tendon));
+        hole.map_or(usual * direction(angles[k]), |hole| hole.center)
     };
-    let distance =
-        distance(workshop, pulley_radius, count, (0..count).map(|k| at(k).dot(&direction(angles[k]))));
     // axes in the order of the tendons, spare ones last
     let number = |k: usize| match taken[k] {
         Some(tendon) => tendon,
         None => tendons.len() + taken[..k].iter().filter(|tendon| tendon.is_none()).count(),
     };
-    let place = |k: usize| {
+    let place = |k: usize, distance: f64| {
         let (out, across) = (direction(angles[k]), direction(angles[k] + FRAC_PI_2));
         MotorPlace {
             axis: axis(number(k)),
@@ -181,22 +166,41 @@ fn places(robot: &Robot, workshop: &Workshop, pulley_radius: f64) -> Vec<MotorPl
             shaft: distance * out + (at(k).dot(&across) + workshop.spool_radius()) * across,
         }
     };
-    (0..count).map(place).collect()
+    // beyond the pulleys, and as far out as the motors need beside each other
+    let outermost = (0..count).map(|k| at(k).dot(&direction(angles[k]))).fold(0.0, f64::max);
+    let spool = 0.5 * workshop.spool_diameter + SPOOL_FLANGE;
+    let least = ((outermost + pulley_radius + pulley_flange(workshop) + AIR + spool) / MM).ceil() * MM;
+    let all = |distance: f64| (0..count).map(|k| place(k, distance)).collect::<Vec<_>>();
+    let distances = (0..FARTHEST).map(|i| least + i as f64 * MM);
+    distances.map(all).find(|places| motors_fit(workshop, places)).unwrap_or_else(|| all(least))
 }
 
-/// Of the shafts from the backbone along the tendons: clear of pulleys and of each other.
-fn distance(
-    workshop: &Workshop,
-    pulley_radius: f64,
-    count: usize,
-    tendons: impl Iterator<Item = f64>,
-) -> f64 {
-    let frame = &workshop.motor.frame;
-    let spool = 0.5 * workshop.spool_diameter + SPOOL_FLANGE;
-    let pulleys = tendons.fold(0.0, f64::max) + pulley_radius + pulley_flange(workshop) + AIR + spool;
-    let apart = frame.side * 2f64.sqrt() + AIR;
-    let neighbours = if count < 2 { 0.0 } else { 0.5 * apart / (PI / count as f64).sin() };
-    (pulleys.max(neighbours) / MM).ceil() * MM
+/// The tendon of each place, if it has one: the nearest place that is free, ties to the first.
+fn assigned(tendons: &[TendonHole], angles: &[f64]) -> Vec<Option<usize>> {
+    let mut taken = vec![None; angles.len()];
+    for hole in tendons {
+        let apart = |k: usize| {
+            let turn = (angles[k] - angle_of(hole.center)).rem_euclid(TAU);
+            turn.min(TAU - turn) + k as f64 * 1e-9 // rounding decides nothing
+        };
+        let free = (0..angles.len()).filter(|&k| taken[k].is_none());
+        let nearest = free.min_by(|&a, &b| apart(a).total_cmp(&apart(b)));
+        taken[nearest.expect("there is a place for every tendon")] = Some(hole.tendon);
+    }
+    taken
+}
+
+/// Of a place around the backbone, 0 to a whole turn.
+fn angle_of(p: Point) -> f64 {
+    if p.norm() > 0.0 { p.y.atan2(p.x).rem_euclid(TAU) } else { 0.0 }
+}
+
+/// Whether no two motors meet, however they are turned.
+fn motors_fit(workshop: &Workshop, places: &[MotorPlace]) -> bool {
+    let apart = workshop.motor.frame.side * 2f64.sqrt() + AIR;
+    let clear =
+        |i: usize| places[i + 1..].iter().all(|other| (places[i].shaft - other.shaft).norm() >= apart);
+    (0..places.len()).all(clear)
 }
 
 /// Letters of axes as motion controllers call them.

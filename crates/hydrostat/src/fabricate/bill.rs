@@ -137,7 +137,8 @@ fn motors(workshop: &Workshop, kit: &Kit) -> Vec<Item> {
         item(
             "idle pulley",
             format!(
-                "ball bearing with groove, 3 x {} x 4 mm, groove {} mm",
+                "ball bearing with groove, {} x {} x 4 mm, groove {} mm",
+                short(workshop.screw_diameter / MM),
                 short(workshop.pulley_diameter / MM + 2.0),
                 short(workshop.pulley_diameter / MM)
             ),
