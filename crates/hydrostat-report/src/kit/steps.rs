@@ -147,7 +147,7 @@ pub(super) fn device_end(robot: &Robot, kit: &Kit, workshop: &Workshop) -> Strin
 /// The motor plate from above with what stands on it.
 pub(super) fn base_above(robot: &Robot, kit: &Kit, workshop: &Workshop) -> String {
     let base = &kit.base;
-    let mut figure = Figure::new(400.0 / (base.side * MM));
+    let mut figure = Figure::new(360.0 / (base.side * MM));
     if let Some(plate) = kit.parts.iter().find(|part| part.name == "motor-plate") {
         draw_part(&mut figure, plate, Point::zeros());
     }
@@ -250,7 +250,7 @@ pub(super) fn base_apart(kit: &Kit, workshop: &Workshop) -> String {
     let spread = placed.iter().map(|(_, placed)| project(placed.origin)).collect::<Vec<_>>();
     let wide = spread.iter().map(|p| p.x).fold(f64::NEG_INFINITY, f64::max)
         - spread.iter().map(|p| p.x).fold(f64::INFINITY, f64::min);
-    let mut figure = Figure::new(600.0 / ((wide + 1.4 * base.side) * MM));
+    let mut figure = Figure::new(500.0 / ((wide + 1.4 * base.side) * MM));
     for (_, placed) in &placed {
         let Some(part) = base.parts.iter().find(|part| part.name == placed.part) else { continue };
         let normal = placed.x.cross(&placed.y);
