@@ -237,12 +237,7 @@ impl Contour {
 
     /// Whether a point lies inside; on the line is either.
     pub fn contains(&self, point: Point) -> bool {
-        let corners = self.chords(CHORD);
-        let next = corners.iter().cycle().skip(1);
-        let crossed = |(a, b): &(&Point, &Point)| {
-            (a.y > point.y) != (b.y > point.y) && point.x < a.x + (point.y - a.y) / (b.y - a.y) * (b.x - a.x)
-        };
-        corners.iter().zip(next).filter(crossed).count() % 2 == 1
+        inside(&self.chords(CHORD), point)
     }
 
     /// Smallest distance between the two lines, exact for circles; below 0 where circles overlap, 0 where others cross.
@@ -277,6 +272,15 @@ impl Contour {
                 .any(|j| segment_gap(corners[i], end(i), corners[j], end(j)) == 0.0)
         })
     }
+}
+
+/// Whether a point lies inside a closed line through these corners.
+pub fn inside(corners: &[Point], point: Point) -> bool {
+    let next = corners.iter().cycle().skip(1);
+    let crossed = |(a, b): &(&Point, &Point)| {
+        (a.y > point.y) != (b.y > point.y) && point.x < a.x + (point.y - a.y) / (b.y - a.y) * (b.x - a.x)
+    };
+    corners.iter().zip(next).filter(crossed).count() % 2 == 1
 }
 
 fn offset(vertices: &[Vertex], distance: f64) -> Option<Contour> {

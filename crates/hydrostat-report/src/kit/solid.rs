@@ -4,7 +4,7 @@
 //! a wall stands between them, in layers, so that every edge has two facets.
 
 use hydrostat::fabricate::Part;
-use hydrostat::planar::{Contour, Point};
+use hydrostat::planar::{Contour, Point, inside};
 use nalgebra::Vector3;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
@@ -20,12 +20,15 @@ pub(super) fn stl(part: &Part, thickness: f64) -> Vec<u8> {
     levels.extend([0.0, thickness]);
     levels.sort_by(f64::total_cmp);
     levels.dedup();
+    let ring = |contour: &Contour| contour.chords(FACET);
+    let (outline, holes) = (ring(&part.outline), part.holes.iter().map(ring).collect::<Vec<_>>());
+    let pockets: Vec<_> = part.pockets.iter().map(|(pocket, depth)| (ring(pocket), depth)).collect();
     let height = |middle: Point| {
-        if !part.outline.contains(middle) || part.holes.iter().any(|hole| hole.contains(middle)) {
+        if !inside(&outline, middle) || holes.iter().any(|hole| inside(hole, middle)) {
             return 0.0;
         }
-        let pocket = part.pockets.iter().find(|(pocket, _)| pocket.contains(middle));
-        pocket.map_or(thickness, |(_, depth)| thickness - depth)
+        let pocket = pockets.iter().find(|(pocket, _)| inside(pocket, middle));
+        pocket.map_or(thickness, |(_, depth)| thickness - *depth)
     };
     encode(&raise(&plane, &levels, height))
 }
