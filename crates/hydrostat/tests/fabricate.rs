@@ -399,7 +399,7 @@ fn what_cannot_be_built_is_refused() {
     }
     let rod = SCR.split("[[tendon]]").next().expect("has text");
     let (robot, workshop) = read(rod);
-    let error = kit(&robot, &workshop).err().expect("no tendons").to_string();
+    let error = kit(&robot, &workshop).expect_err("no tendons").to_string();
     assert!(error.contains("\"SCR\" has no tendons, so there is no kit to make"), "{error}");
 }
 
