@@ -33,11 +33,11 @@ pub(super) fn coupon(robot: &Robot, workshop: &Workshop) -> Part {
         let fit = fit / 100.0 * MM;
         if rod + fit > workshop.kerf {
             part.holes.push(Contour::circle(Point::new(x, 37.5 * MM), 0.5 * (rod + fit)));
-            part.engrave(&format!("{:.2}", (rod + fit) / MM), Point::new(x, 32.5 * MM), LETTERS);
+            part.engrave(&format!("{:.3}", (rod + fit) / MM), Point::new(x, 32.5 * MM), LETTERS);
         }
         let slot = Point::new(workshop.sheet_thickness + fit, SLOT);
         part.holes.push(Contour::rectangle(Point::new(x, 17.0 * MM), slot));
-        part.engrave(&format!("{:.2}", slot.x / MM), Point::new(x, 7.0 * MM), LETTERS);
+        part.engrave(&format!("{:.3}", slot.x / MM), Point::new(x, 7.0 * MM), LETTERS);
     }
     part
 }
