@@ -66,11 +66,11 @@ pub(super) fn guide(robot: &Robot, guide: &Guide, workshop: &Workshop) -> String
         figure.line(&[hole.center, place], Pen::Thin);
         figure.text(place + 0.04 * guide.radius * out, &format!("{tendon}{end}"), anchor);
     }
-    let low = Point::new(0.0, -guide.radius);
+    let low = Point::new(0.0, -1.2 * guide.radius); // clear of the names
     figure.dimension(
         low - guide.radius * Point::x(),
         low + guide.radius * Point::x(),
-        -0.42 * guide.radius,
+        -0.22 * guide.radius,
         &mm(2.0 * guide.radius),
     );
     let rod = guide.part.holes[0].bounds().size().x;
