@@ -4,6 +4,7 @@
 
 mod count;
 mod docs;
+mod drawings;
 mod licences;
 mod test;
 
@@ -15,6 +16,7 @@ usage: cargo xtask TASK
   test            set up and run every check
   docs            rewrite the documents that the program writes
   docs --check    fail if one of them is out of date
+  drawings        kits of two robots, read by other programs
   count           instructions per solve, by valgrind (docs/performance.md)";
 
 fn main() -> ExitCode {
@@ -24,6 +26,7 @@ fn main() -> ExitCode {
         ["test"] => test::run(),
         ["docs"] => docs::build().and_then(|()| docs::write()),
         ["docs", "--check"] => docs::build().and_then(|()| docs::check()),
+        ["drawings"] => docs::build().and_then(|()| drawings::check()),
         ["count"] => count::count(),
         _ => Err(USAGE.to_owned()),
     };

@@ -1,6 +1,6 @@
 //! `cargo xtask test`: one line per check. All share the development profile, so that nothing is compiled twice.
 
-use crate::{capture, docs, hydrostat, licences, root};
+use crate::{capture, docs, drawings, hydrostat, licences, root};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -22,6 +22,7 @@ pub(crate) fn run() -> Result<(), String> {
         steps.cargo("fuzz targets", "check --manifest-path fuzz/Cargo.toml --target-dir target");
     }
     steps.step("main job", || crate::run(&[&hydrostat()?.to_string_lossy(), "verify"]));
+    steps.step("drawings", drawings::check);
     steps.step("documents", docs::check);
     steps.sum_up()
 }

@@ -161,3 +161,70 @@ fn write_new(path: &Path, bytes: &[u8]) -> Result<(), (bool, std::io::Error)> {
     let mut file = fs::File::create_new(path).map_err(|error| (false, error))?;
     file.write_all(bytes).and_then(|()| file.sync_all()).map_err(|error| (true, error))
 }
+
+/// Refuses a folder that something would be lost from, before there is anything to put into it.
+pub(crate) fn refuse_full_folder(folder: &Path, force: bool, input: &Path) -> Result<(), Error> {
+    refuse_file(folder)?;
+    if !folder.exists() {
+        return Ok(());
+    }
+    let name = folder.display();
+    let cannot_read = |error| Error::new(format!("cannot read the folder {name}: {error}"));
+    let mut entries = fs::read_dir(folder).map_err(cannot_read)?;
+    if entries.next().is_none() {
+        return Ok(());
+    }
+    if !force {
+        return Err(Error::new(format!("the folder {name} is not empty and is left as it is"))
+            .hint("name another folder, or replace this one with all that is in it by --force"));
+    }
+    let holds = |path: &Path| match (fs::canonicalize(folder), fs::canonicalize(path)) {
+        (Ok(folder), Ok(path)) => path.starts_with(folder),
+        _ => false,
+    };
+    let here = std::env::current_dir().unwrap_or_default();
+    match [("the robot file", input), ("the current folder", &here)].into_iter().find(|(_, path)| holds(path))
+    {
+        Some((what, _)) => Err(Error::new(format!("--force would remove {what}, which lies in {name}"))
+            .hint("name another folder")),
+        None => Ok(()),
+    }
+}
+
+/// Writes a folder completely or not at all: beside its place first, then renamed. What stood there is removed last.
+pub(crate) fn write_folder(folder: &Path, contents: &[(&str, &[u8])]) -> Result<(), Error> {
+    // a link stays a link
+    let target = fs::canonicalize(folder).unwrap_or_else(|_| folder.to_owned());
+    let refused = |error: std::io::Error| refused_to_write(folder, &error);
+    let Some(name) = target.file_name().map(|name| name.to_string_lossy().into_owned()) else {
+        return Err(
+            Error::new(format!("{} cannot be replaced", folder.display())).hint("name a folder in it")
+        );
+    };
+    let beside = |what: &str| target.with_file_name(format!(".{name}.{}.{what}", std::process::id()));
+    let (new, old) = (beside("new"), beside("old"));
+    let write = || -> std::io::Result<()> {
+        fs::create_dir(&new)?;
+        for (path, bytes) in contents {
+            let path = new.join(path);
+            fs::create_dir_all(path.parent().unwrap_or(&new))?;
+            let mut file = fs::File::create_new(&path)?;
+            file.write_all(bytes)?;
+        }
+        if target.exists() {
+            fs::rename(&target, &old)?;
+        }
+        fs::rename(&new, &target)
+    };
+    if let Err(error) = write() {
+        let _ = fs::remove_dir_all(&new);
+        if old.exists() && !target.exists() {
+            let _ = fs::rename(&old, &target);
+        }
+        return Err(refused(error));
+    }
+    if old.exists() {
+        fs::remove_dir_all(&old).map_err(refused)?;
+    }
+    Ok(())
+}

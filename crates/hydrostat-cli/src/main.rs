@@ -7,8 +7,10 @@
 
 mod batch;
 mod calibrate;
+mod check;
 mod comparison;
 mod derivatives;
+mod fabricate;
 mod files;
 mod json;
 mod new;
@@ -44,6 +46,10 @@ enum Command {
     Verify(verify::Args),
     /// Fit parameters to a measured bench, and say how sure they are
     Calibrate(calibrate::Args),
+    /// Hold a robot's design against what can be cut, wound and bent
+    Check(check::Args),
+    /// Make the kit: drawings for the laser, solids, lists and the assembly guide
+    Fabricate(fabricate::Args),
     /// Hold the solver against published and exact solutions
     Validate(validate::Args),
     /// Write commented starter files into the current folder
@@ -80,6 +86,8 @@ fn main() -> ExitCode {
         Command::Solve(args) => solve::run(&args),
         Command::Verify(args) => verify::run(&args),
         Command::Calibrate(args) => calibrate::run(&args),
+        Command::Check(args) => check::run(&args),
+        Command::Fabricate(args) => fabricate::run(&args),
         Command::Validate(args) => validate::run(&args),
         Command::New(args) => new::run(&args),
     };

@@ -7,6 +7,7 @@
 mod chart;
 
 mod describe;
+mod kit;
 mod loads;
 mod overlay;
 mod page;
@@ -23,6 +24,7 @@ mod tendons;
 mod text;
 mod ticks;
 
+pub use kit::{KitFile, kit_files};
 pub use page::{Provenance, verification_page, verification_svg};
 #[cfg(feature = "png")]
 pub use png::{PngError, svg_to_png};

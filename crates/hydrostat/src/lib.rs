@@ -39,12 +39,14 @@ pub mod statics;
 // what the shape is used for
 pub mod batch;
 pub mod calibrate;
+pub mod fabricate;
 pub mod validate;
 pub mod verify;
 
 // mathematics with no robot
 pub mod geometry;
 pub mod numeric;
+pub mod planar;
 
 pub use error::Error;
 pub use model::Robot;

@@ -459,6 +459,14 @@ impl CrossSection {
         }
     }
 
+    /// Diameter, or the larger side of a strip.
+    pub fn thickness(&self) -> f64 {
+        match *self {
+            CrossSection::Round { diameter } | CrossSection::Tube { diameter, .. } => diameter,
+            CrossSection::Strip { width, height } => width.max(height),
+        }
+    }
+
     /// Largest fibre strain under the bending strains (u - u*)_1, (u - u*)_2.
     pub fn bending_strain(&self, bending: [f64; 2]) -> f64 {
         match *self {

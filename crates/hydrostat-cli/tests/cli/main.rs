@@ -5,6 +5,7 @@
 
 mod batch;
 mod calibrate;
+mod fabricate;
 mod new;
 mod outputs;
 mod readme;

@@ -2,8 +2,8 @@
 
 use super::quantity::rounded;
 use super::{
-    calibration, experiment as e, load, materials, parse_command_table, parse_experiment, parse_robot, robot,
-    section, templates, tendon,
+    calibration, experiment as e, fabrication, load, materials, parse_command_table, parse_experiment,
+    parse_robot, robot, section, templates, tendon,
 };
 use crate::Error;
 
@@ -19,6 +19,7 @@ const TABLES: &[(&str, &[&str])] = &[
     ("load", load::LOAD_KEYS),
     ("tendon", tendon::TENDON_KEYS),
     ("actuation", tendon::ACTUATION_KEYS),
+    ("fabrication", fabrication::FABRICATION_KEYS),
     ("experiment", e::EXPERIMENT_KEYS),
     ("bench", e::BENCH_KEYS),
     ("vary", e::VARY_KEYS),

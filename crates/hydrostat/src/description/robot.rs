@@ -2,13 +2,13 @@
 
 use super::quantity::{ACCELERATION, LENGTH, rounded};
 use super::reader::{Node, Source, Table, is_name};
-use super::{Parsed, load, materials, section, tendon};
+use super::{Parsed, fabrication, load, materials, section, tendon};
 use crate::Error;
 use crate::model::{LoadKind, Pose, Robot, Tendon};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 pub(super) const ROBOT_KEYS: &[&str] =
-    &["name", "gravity", "base", "material", "section", "load", "tendon", "actuation"];
+    &["name", "gravity", "base", "material", "section", "load", "tendon", "actuation", "fabrication"];
 pub(super) const BASE_KEYS: &[&str] = &["position", "tangent", "normal"];
 
 const FASTEST_GRAVITY: f64 = 100.0; // ten times the Earth's
@@ -35,6 +35,7 @@ pub(super) fn read(root: &Node, warnings: &mut Vec<Error>) -> Result<Robot, Erro
     let tendons = tendon::read(&table, &sections, warnings)?;
     let passed = |tendon: &Tendon| sections.iter().take(tendon.ends + 1).map(|section| section.length).sum();
     let actuation = tendon::read_actuation(&table, &tendons, passed, warnings)?;
+    fabrication::read(&table)?; // held to the format by every command, used by one
     let hung = loads.iter().any(|load| matches!(load.kind, LoadKind::Mass { .. }));
     if let Some(node) = table.get("gravity").filter(|_| hung && gravity == Vector3::zeros()) {
         warnings.push(node.error("without gravity a hung mass weighs nothing"));

@@ -160,17 +160,9 @@ fn read_rest_curvature(table: &Table, profile: &Profile) -> Result<Vector3<f64>,
     Ok(curvature)
 }
 
-/// Largest distance of the surface from the backbone along d1 or d2.
-fn reach(section: &CrossSection) -> f64 {
-    match *section {
-        CrossSection::Round { diameter } | CrossSection::Tube { diameter, .. } => diameter / 2.0,
-        CrossSection::Strip { width, height } => width.max(height) / 2.0,
-    }
-}
-
 /// Largest thickness of a section.
 pub(super) fn thickness(section: &Section) -> f64 {
-    2.0 * reach(&section.profile.base).max(reach(&section.profile.tip))
+    section.profile.base.thickness().max(section.profile.tip.thickness())
 }
 
 fn read_guides(node: &Node, length: f64) -> Result<Guides, Error> {
