@@ -81,6 +81,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
         freed = builtin::FREED.iter().map(|free| vec![(*free).to_owned()]).collect();
     }
     let mut done = Vec::new();
+    let settings = Settings { tolerance: COARSEST, ..Settings::default() };
     for free in &freed {
         let parsed = read(args.experiment.as_deref(), &flags(free))?;
         if done.is_empty() {
@@ -94,7 +95,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
             ));
             bar.tick();
         };
-        let calibration = calibrate_watched(&parsed.value, &Settings::default(), &mut watch);
+        let calibration = calibrate_watched(&parsed.value, &settings, &mut watch);
         bar.finish_and_clear();
         let calibration = calibration?;
         done.push((parsed.value, calibration));
@@ -110,6 +111,9 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
     };
     Ok(Outcome { stdout, end: End::Passed })
 }
+
+/// Of the length; a fit solves finer where the reading error asks for it.
+const COARSEST: f64 = 1e-6;
 
 /// Drawn where stderr is a terminal.
 fn progress() -> ProgressBar {

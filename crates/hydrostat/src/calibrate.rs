@@ -230,7 +230,7 @@ pub fn calibrate_watched(
     let tests = runs
         .iter()
         .map(|found| found.is)
-        .chain(alike.iter().map(|(_, chance)| *chance < statistics::SIGNIFICANCE));
+        .chain(alike.iter().map(|alike| alike.chance < statistics::SIGNIFICANCE));
     let follows = tests.reduce(|a, b| a || b);
     let parameters = problem.parameters.iter().enumerate().map(|(j, parameter)| {
         let standard_error = statistics.standard_error(j).map(|error| error * fit.scale[j]);
@@ -277,8 +277,10 @@ pub fn calibrate_watched(
         steps: minimum.steps,
     };
     calibration.verdict = verdict::verdict(problem, &calibration, &statistics, &at, &fit.scale);
+    let narrow = alike.as_ref().and_then(|alike| verdict::narrow(alike, problem.experiment.rows.len()));
     calibration.verdict.splice(1..1, verdict::follows(runs, alike));
     calibration.warnings = verdict::warnings(problem, &calibration, &statistics, &at, &minimum.held);
+    calibration.warnings.extend(narrow);
     Ok(calibration)
 }
 

@@ -277,7 +277,7 @@ impl Experiment {
                 let Some(before) = before.map(|before| before[i]) else {
                     return Acting { value: moved, motion: Motion::Pulled };
                 };
-                // theory (51)
+                // theory (52)
                 let value = before.value.clamp(moved - half, moved + half);
                 let motion = match value - before.value {
                     change if change > 0.0 => Motion::Pulled,

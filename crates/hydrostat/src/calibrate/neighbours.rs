@@ -8,19 +8,34 @@ const FEWEST_ROWS: usize = 6;
 /// Random orders; they leave a fifth of a percent of error in a chance of 5 %.
 const ORDERS: usize = 9_999;
 
-/// Chance of neighbours so much alike in a random order of the rows, theory (50); the column by which they are ordered.
-/// None where no input varies alone.
-pub(super) fn alike(experiment: &Experiment, rows: &[CalibratedRow]) -> Option<(String, f64)> {
+/// How rows next to each other err.
+pub(super) struct Alike {
+    /// By what they are ordered: the column of the one input that varies, or the order of the table.
+    pub(super) along: String,
+    /// Chance of neighbours so much alike in a random order, theory (50).
+    pub(super) chance: f64,
+    /// Of the residuals of neighbours.
+    pub(super) correlation: f64,
+}
+
+/// None with few rows.
+pub(super) fn alike(experiment: &Experiment, rows: &[CalibratedRow]) -> Option<Alike> {
     let varies = |input: &usize| rows.iter().any(|row| row.inputs[*input] != rows[0].inputs[*input]);
     let varied: Vec<usize> = (0..experiment.inputs.len()).filter(varies).collect();
-    let &[input] = &varied[..] else { return None };
     if rows.len() < FEWEST_ROWS {
         return None;
     }
     let mut order: Vec<&CalibratedRow> = rows.iter().collect();
-    order.sort_by(|a, b| a.inputs[input].total_cmp(&b.inputs[input]));
+    let along = match varied[..] {
+        [input] => {
+            order.sort_by(|a, b| a.inputs[input].total_cmp(&b.inputs[input]));
+            experiment.inputs[input].column.clone()
+        }
+        _ => "the order of the rows".to_owned(),
+    };
     let residuals: Vec<Vec<f64>> = order.iter().map(|row| in_reading_errors(experiment, row)).collect();
-    Some((experiment.inputs[input].column.clone(), chance(residuals)))
+    let correlation = correlation(&residuals);
+    Some(Alike { along, chance: chance(residuals), correlation })
 }
 
 fn in_reading_errors(experiment: &Experiment, row: &CalibratedRow) -> Vec<f64> {
@@ -33,11 +48,17 @@ fn in_reading_errors(experiment: &Experiment, row: &CalibratedRow) -> Vec<f64> {
         .collect()
 }
 
+fn likeness(residuals: &[Vec<f64>]) -> f64 {
+    let pairs = residuals.windows(2);
+    pairs.map(|pair| pair[0].iter().zip(&pair[1]).map(|(a, b)| a * b).sum::<f64>()).sum()
+}
+
+fn correlation(residuals: &[Vec<f64>]) -> f64 {
+    let squares: f64 = residuals.iter().flatten().map(|r| r * r).sum();
+    likeness(residuals) / squares.max(f64::MIN_POSITIVE)
+}
+
 fn chance(mut residuals: Vec<Vec<f64>>) -> f64 {
-    let likeness = |residuals: &[Vec<f64>]| -> f64 {
-        let pairs = residuals.windows(2);
-        pairs.map(|pair| pair[0].iter().zip(&pair[1]).map(|(a, b)| a * b).sum::<f64>()).sum()
-    };
     let found = likeness(&residuals);
     // the same orders at every run (Knuth's MMIX)
     let mut state = 1_u64;

@@ -1,5 +1,6 @@
 //! What the numbers mean, in words.
 
+use super::neighbours::Alike;
 use super::part::Part;
 use super::statistics::{SIGNIFICANCE, Statistics};
 use super::{Calibration, Estimate, Loss, Problem};
@@ -50,9 +51,9 @@ pub(super) fn verdict(
 }
 
 /// Whether the residuals follow an input: runs of their sign, and the likeness of neighbours.
-pub(super) fn follows(runs: Vec<Systematic>, alike: Option<(String, f64)>) -> Vec<String> {
+pub(super) fn follows(runs: Vec<Systematic>, alike: Option<Alike>) -> Vec<String> {
     let mut sentences: Vec<String> = runs.into_iter().map(|found| found.sentence).collect();
-    sentences.extend(alike.map(|(column, chance)| {
+    sentences.extend(alike.map(|Alike { along: column, chance, .. }| {
         let shown = if chance < SIGNIFICANCE { "is systematic" } else { "is not shown to be systematic" };
         format!(
             "By sizes the residual {shown} with {column}: rows next to each other err as much alike in {} of all orders.",
@@ -60,6 +61,23 @@ pub(super) fn follows(runs: Vec<Systematic>, alike: Option<(String, f64)>) -> Ve
         )
     }));
     sentences
+}
+
+/// Rows and correlation of neighbours from which intervals count as too narrow.
+const MANY_ROWS: usize = 30;
+const CORRELATED: f64 = 0.3;
+
+/// Intervals take rows to be independent; where neighbours err alike they are not, theory (54).
+pub(super) fn narrow(alike: &Alike, rows: usize) -> Option<String> {
+    let correlation = alike.correlation;
+    (rows >= MANY_ROWS && correlation > CORRELATED && alike.chance < SIGNIFICANCE).then(|| {
+        let wider = ((1.0 + correlation) / (1.0 - correlation)).sqrt();
+        format!(
+            "Rows next to each other err alike (correlation {correlation:.2}), so that {rows} rows tell as much as about {:.0} that do not: \
+             the intervals should be about {wider:.1} times as wide, and errors of folds or of held-out rows say more than those of single rows.",
+            (rows as f64 / wider.powi(2)).max(1.0)
+        )
+    })
 }
 
 fn goodness(problem: &Problem, calibration: &Calibration) -> String {
