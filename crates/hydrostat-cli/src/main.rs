@@ -6,12 +6,14 @@
 #![allow(clippy::print_stderr, reason = "the binary prints")]
 
 mod batch;
+mod budget;
 mod calibrate;
 mod comparison;
 mod derivatives;
 mod files;
 mod json;
 mod new;
+mod plan;
 mod plot;
 mod solve;
 mod summary;
@@ -44,6 +46,10 @@ enum Command {
     Verify(verify::Args),
     /// Fit parameters to a measured bench, and say how sure they are
     Calibrate(calibrate::Args),
+    /// Find how much each tolerance moves what is measured
+    Budget(budget::Args),
+    /// Choose the measurements that tell most about what is free
+    Plan(plan::Args),
     /// Hold the solver against published and exact solutions
     Validate(validate::Args),
     /// Write commented starter files into the current folder
@@ -80,6 +86,8 @@ fn main() -> ExitCode {
         Command::Solve(args) => solve::run(&args),
         Command::Verify(args) => verify::run(&args),
         Command::Calibrate(args) => calibrate::run(&args),
+        Command::Budget(args) => budget::run(&args),
+        Command::Plan(args) => plan::run(&args),
         Command::Validate(args) => validate::run(&args),
         Command::New(args) => new::run(&args),
     };

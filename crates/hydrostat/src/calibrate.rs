@@ -17,7 +17,7 @@ use crate::statics::Settings;
 use crate::verify::{Experiment, PointError, Row, Summary, systematic};
 use crate::{Error, Robot};
 use fit::Fit;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector3};
 use statistics::Statistics;
 
 /// A bench, and what of it is not known.
@@ -298,6 +298,45 @@ pub fn sensitivities(problem: &Problem, settings: &Settings) -> Result<(DVector<
     let jacobian =
         DMatrix::from_fn(read.len(), fit.scale.len(), |k, j| read[k].1 * at.jacobian[(k, j)] / fit.scale[j]);
     Ok((predicted, jacobian))
+}
+
+/// What was measured, as predicted with each of many sets of values, SI: (sets), each (rows x points), bench axes.
+///
+/// # Errors
+/// A row that cannot be solved with the values of the files; of a set alone where only that has none.
+pub fn predictions(
+    problem: &Problem,
+    sets: &[Vec<f64>],
+    settings: &Settings,
+) -> Result<Vec<Result<Vec<Vec<Vector3<f64>>>, Error>>, Error> {
+    fit::points_with(problem, sets, settings)
+}
+
+/// What a fit would know of its parameters.
+#[derive(Clone, Debug)]
+pub struct Expected {
+    /// Per parameter, SI; None where the rows do not determine it.
+    pub standard_errors: Vec<Option<f64>>,
+    /// Half a 95 % interval over its standard error.
+    pub quantile: f64,
+    /// In words: which combinations the rows would not tell apart.
+    pub told_apart: Vec<String>,
+}
+
+/// What a fit would know if its rows had these derivatives, SI (coordinates x parameters), and errors as stated.
+///
+/// # Errors
+/// As [`start`].
+pub fn expected(problem: &Problem, jacobian: &DMatrix<f64>) -> Result<Expected, Error> {
+    let fit = Fit::new(problem, &Settings::default())?;
+    let at = fit.exact(jacobian);
+    let statistics = Statistics::new(problem, &at, &vec![false; fit.scale.len()], 1.0);
+    let error = |j: usize| statistics.standard_error(j).map(|error| error * fit.scale[j]);
+    Ok(Expected {
+        standard_errors: (0..fit.scale.len()).map(error).collect(),
+        quantile: statistics.quantile,
+        told_apart: verdict::identifiability(problem, &statistics, &at, &fit.scale),
+    })
 }
 
 /// Turns of weights and fit, and the relative change of the errors' scale that ends them.

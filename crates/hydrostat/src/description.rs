@@ -1,5 +1,6 @@
 //! Text in, a robot or an experiment out. The format is `docs/format.md`.
 
+mod budget;
 pub mod builtin;
 mod calibration;
 mod commands;
@@ -7,6 +8,7 @@ mod data;
 mod experiment;
 mod load;
 pub mod materials;
+mod plan;
 pub mod quantity;
 mod reader;
 mod rewrite;
@@ -19,9 +21,11 @@ pub mod unit;
 #[cfg(test)]
 mod format_test;
 
+pub use budget::parse_budget;
 pub use calibration::CalibrationFlags;
 pub use commands::parse_command_table;
 pub use experiment::{parse_calibration, parse_experiment};
+pub use plan::{PlanFlags, parse_plan};
 pub use rewrite::write_calibrated;
 pub use robot::parse_robot;
 pub use tendon::parse_commands;

@@ -38,7 +38,9 @@ pub mod statics;
 
 // what the shape is used for
 pub mod batch;
+pub mod budget;
 pub mod calibrate;
+pub mod plan;
 pub mod validate;
 pub mod verify;
 

@@ -20,6 +20,7 @@ const CONVERGED: f64 = 1e-10;
 const NEGLIGIBLE: f64 = 1e-12;
 
 /// A problem with what its solution needs again and again.
+#[derive(Clone)]
 pub(super) struct Fit<'a> {
     pub(super) problem: &'a Problem,
     pub(super) base: Setup,
@@ -108,6 +109,23 @@ impl<'a> Fit<'a> {
         Ok(Evaluation { residuals, jacobian })
     }
 
+    /// No residuals, with given derivatives, SI (coordinates x parameters), and those of the priors.
+    pub(super) fn exact(&self, jacobian: &DMatrix<f64>) -> Evaluation {
+        let points = &self.problem.experiment.points;
+        let per_row: Vec<f64> =
+            points.iter().flat_map(|point| point.axes.iter().map(|_| point.reading_error)).collect();
+        let scaled = |k: usize, j: usize| jacobian[(k, j)] * self.scale[j] / per_row[k % per_row.len()];
+        let measured = DMatrix::from_fn(jacobian.nrows(), self.scale.len(), scaled);
+        let priors: Vec<(usize, f64)> = (0..self.scale.len())
+            .filter_map(|j| Some((j, self.scale[j] / self.problem.parameters[j].prior?.standard_error)))
+            .collect();
+        let mut all = measured.insert_rows(jacobian.nrows(), priors.len(), 0.0);
+        for (k, (j, weight)) in priors.into_iter().enumerate() {
+            all[(jacobian.nrows() + k, j)] = weight;
+        }
+        Evaluation { residuals: DVector::zeros(all.nrows()), jacobian: all }
+    }
+
     /// The best values with reading errors so many times as large as stated.
     pub(super) fn minimize(
         &mut self,
@@ -142,6 +160,18 @@ impl<'a> Fit<'a> {
         let points: Vec<_> = points.collect();
         points.into_iter().collect()
     }
+}
+
+/// Points of every row with each of many sets of values, each from the same start, so that no set depends on another.
+pub(super) fn points_with(
+    problem: &Problem,
+    sets: &[Vec<f64>],
+    settings: &statics::Settings,
+) -> Result<Vec<Result<Vec<Vec<Vector3<f64>>>, Error>>, Error> {
+    let mut start = Fit::new(problem, settings)?;
+    let values = start.start.clone();
+    start.points(&values)?;
+    Ok(sets.par_iter().map(|values| start.clone().points(values)).collect())
 }
 
 fn in_row(experiment: &Experiment, row: usize, error: Error) -> Error {

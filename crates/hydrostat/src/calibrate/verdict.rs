@@ -134,7 +134,7 @@ const TAKES_PART: f64 = 0.2;
 const SHOWN: f64 = 0.1;
 
 /// Which combination the data cannot tell, theory (47).
-fn identifiability(
+pub(super) fn identifiability(
     problem: &Problem,
     statistics: &Statistics,
     at: &Evaluation,
