@@ -10,7 +10,7 @@ const SMALL: Type = Type::new(11.0, MUTED);
 const NAME: Type = Type::new(12.0, INK);
 const TITLE: Type = Type::bold(14.0, INK);
 const BAR: &str = "#9fc3e6";
-const TOTAL: &str = "#5a6675";
+const TOTAL: &str = "#aab4c0";
 /// Between two lines, and of a bar.
 const STEP: f64 = 25.0;
 const THICK: f64 = 14.0;
@@ -18,7 +18,7 @@ const WIDTH: f64 = 430.0;
 const NAMES: f64 = 260.0;
 /// More bars are not read; what is shown is at least this part of the total.
 const MOST: usize = 16;
-const LEAST: f64 = 1e-3;
+const LEAST: f64 = 0.01;
 
 /// One bar per tolerance: root mean square over all rows to first order, with the samples' as a mark, and the range over the rows.
 pub fn budget_svg(experiment: &Experiment, budget: &Budget) -> String {
@@ -56,6 +56,11 @@ pub fn budget_svg(experiment: &Experiment, budget: &Budget) -> String {
     page.hairlines(&grid, Pen::new(GRID, 1.0));
     let name = "standard deviation of the points that are read, in mm";
     page.text([left + WIDTH / 2.0, frame.y1 + 34.0], Anchor::Middle, NAME, name);
+    let left_out = budget.contributions.len() - shown.len();
+    if left_out > 0 {
+        let text = format!("{left_out} smaller ones are not shown");
+        page.text([left - 8.0, frame.y1 + 16.0], Anchor::End, SMALL, &text);
+    }
     for (i, (name, part, colour)) in bars.iter().enumerate() {
         let y = top + 3.0 + STEP * (i as f64 + 0.5);
         page.text([left - 8.0, y + 4.0], Anchor::End, NAME, &fit(name, NAMES, |s| NAME.width(s)));

@@ -1,15 +1,16 @@
 //! Which measurements would tell most about parameters that are free.
 
+mod candidates;
 mod exchange;
+mod verdict;
 
 use crate::Error;
 use crate::calibrate::{Expected, Parameter, Problem, expected, sensitivities, start};
-use crate::numeric::random::Random;
-use crate::statics::{Settings, solve};
+use crate::statics::Settings;
 use crate::verify::{Experiment, Input, Row};
+use candidates::{Candidate, candidates};
 use exchange::{Criterion, Information};
 use nalgebra::{DMatrix, Vector3};
-use rayon::prelude::*;
 
 /// What is free, what was measured, and what could be.
 #[derive(Clone, Debug)]
@@ -137,7 +138,7 @@ pub fn plan(request: &Request, settings: &Settings) -> Result<Plan, Error> {
         quantile: now.quantile,
         verdict: Vec::new(),
     };
-    plan.verdict = verdict(request, &plan, after_d.told_apart);
+    plan.verdict = verdict::verdict(request, &plan, after_d.told_apart, settings)?;
     Ok(plan)
 }
 
@@ -178,106 +179,6 @@ fn reading_errors(experiment: &Experiment) -> Vec<f64> {
     points.flat_map(|point| point.axes.iter().map(|_| point.reading_error)).collect()
 }
 
-/// A row that could be measured, and its derivatives, SI (coordinates x parameters).
-struct Candidate {
-    row: PlannedRow,
-    jacobian: DMatrix<f64>,
-}
-
-/// Candidates of a grid, at most.
-const GRID: usize = 400;
-/// Fewest values of an input on a grid, and random candidates where there would be fewer.
-const LEVELS: usize = 3;
-const RANDOM: usize = 400;
-
-/// All combinations of evenly spaced values between the limits, or random ones that often lie on them.
-fn inputs(request: &Request) -> Vec<Vec<f64>> {
-    let ranges: Vec<[f64; 2]> = request.limits.iter().map(|limit| limit.range).collect();
-    let free = ranges.iter().filter(|[low, high]| low < high).count();
-    let levels = match free {
-        0 => 1,
-        _ => (1..=GRID)
-            .rev()
-            .find(|levels| levels.checked_pow(free as u32).is_some_and(|n| n <= GRID))
-            .unwrap_or(1),
-    };
-    if free > 0 && levels < LEVELS {
-        let mut random = Random::new(request.seed, 0);
-        let value = |random: &mut Random, [low, high]: [f64; 2]| match random.below(4) {
-            0 => low,
-            1 => high,
-            _ => random.uniform(low, high),
-        };
-        return (0..RANDOM)
-            .map(|_| ranges.iter().map(|range| value(&mut random, *range)).collect())
-            .collect();
-    }
-    let mut all: Vec<Vec<f64>> = vec![Vec::new()];
-    for [low, high] in ranges {
-        // from both ends, so that both are exact
-        let at = |i: usize| {
-            let part = i as f64 / (levels - 1).max(1) as f64;
-            low * (1.0 - part) + high * part
-        };
-        let count = if low < high { levels } else { 1 };
-        let longer = |row: &Vec<f64>| (0..count).map(|i| [&row[..], &[at(i)]].concat()).collect::<Vec<_>>();
-        all = all.iter().flat_map(longer).collect();
-    }
-    all
-}
-
-/// Rows within the limits that can be solved and keep the robot whole, each by itself; the others by reason.
-#[allow(clippy::type_complexity, reason = "two lists")]
-fn candidates(
-    request: &Request,
-    settings: &Settings,
-) -> Result<(Vec<Candidate>, Vec<(String, usize)>), Error> {
-    let problem = &request.problem;
-    let mut bench = problem.clone();
-    bench.experiment.inputs = request.limits.iter().map(|limit| limit.input.clone()).collect();
-    bench.experiment.variants.clear();
-    bench.experiment.published = None;
-    bench.holdout.clear();
-    let observed = vec![Vector3::zeros(); bench.experiment.points.len()];
-    let candidate = |inputs: Vec<f64>| -> Result<Candidate, String> {
-        let mut one = bench.clone();
-        one.experiment.rows = vec![Row { inputs: inputs.clone(), observed: observed.clone() }];
-        let acting = one.experiment.acting().swap_remove(0);
-        let robot = one.experiment.robot_in(&one.experiment.robot, &acting);
-        let settings = Settings { stations: 0, eigenvalue: false, ..settings.clone() };
-        let shape = solve(&robot, &settings).map_err(|_| "no equilibrium".to_owned())?;
-        if let Some(check) = shape.checks.iter().find(|check| !check.ok) {
-            return Err(format!("check {} fails", check.name));
-        }
-        let (read, jacobian) = sensitivities(&one, &settings).map_err(|_| "no derivatives".to_owned())?;
-        let mut predicted = observed.clone();
-        let places = one.experiment.points.iter().enumerate();
-        let places = places.flat_map(|(i, point)| point.axes.iter().map(move |&axis| (i, axis)));
-        for ((i, axis), value) in places.zip(read.iter()) {
-            predicted[i][axis] = *value;
-        }
-        Ok(Candidate { row: PlannedRow { inputs, predicted }, jacobian })
-    };
-    let tried: Vec<Result<Candidate, String>> = inputs(request).into_par_iter().map(candidate).collect();
-    let (mut found, mut left_out) = (Vec::new(), Vec::<(String, usize)>::new());
-    for outcome in tried {
-        match outcome {
-            Ok(candidate) => found.push(candidate),
-            Err(reason) => match left_out.iter_mut().find(|(other, _)| *other == reason) {
-                Some((_, count)) => *count += 1,
-                None => left_out.push((reason, 1)),
-            },
-        }
-    }
-    if found.is_empty() {
-        let reasons: Vec<String> =
-            left_out.iter().map(|(reason, count)| format!("{count} times {reason}")).collect();
-        return Err(Error::new(format!("nothing within the limits can be measured: {}", reasons.join(", ")))
-            .hint("narrow the limits, such as --limit \"mass=0 g to 20 g\""));
-    }
-    Ok((found, left_out))
-}
-
 /// What a fit would know with these rows as well.
 fn after(problem: &Problem, measured: &DMatrix<f64>, rows: &[&Candidate]) -> Result<Expected, Error> {
     let mut longer = problem.clone();
@@ -290,106 +191,4 @@ fn after(problem: &Problem, measured: &DMatrix<f64>, rows: &[&Candidate]) -> Res
         longer.experiment.rows.push(Row { inputs, observed: candidate.row.predicted.clone() });
     }
     expected(&longer, &jacobian)
-}
-
-/// Ratio of the A-optimal to the D-optimal standard error from which the two designs are worth telling apart.
-const DIFFERS: f64 = 1.05;
-/// Part of a standard error that the plan must take away to be worth its work.
-const WORTH: f64 = 0.1;
-
-fn verdict(request: &Request, plan: &Plan, told_apart: Vec<String>) -> Vec<String> {
-    let mut sentences = vec![gain(plan)];
-    let undetermined: Vec<&str> = plan
-        .parameters
-        .iter()
-        .filter(|planned| planned.after_d.is_none() && planned.after_a.is_none())
-        .map(|planned| planned.parameter.name.as_str())
-        .collect();
-    if !undetermined.is_empty() {
-        sentences.push(format!(
-            "Nothing within the limits determines {}: widen them, vary something else, mark another point, or give a prior.",
-            undetermined.join(", ")
-        ));
-    }
-    sentences.extend(told_apart);
-    sentences.push(if same_rows(&plan.d_optimal, &plan.a_optimal) {
-        "Both criteria choose the same rows.".to_owned()
-    } else {
-        let worse =
-            plan.parameters.iter().filter_map(|p| Some((p.parameter.name.as_str(), p.after_d? / p.after_a?)));
-        let named: Vec<String> = worse
-            .filter(|(_, ratio)| *ratio > DIFFERS || *ratio < 1.0 / DIFFERS)
-            .map(|(name, ratio)| format!("{name} is known {ratio:.2} times as well"))
-            .collect();
-        if named.is_empty() {
-            "The two criteria choose other rows, which tell about as much of every parameter.".to_owned()
-        } else {
-            format!("After the A-optimal rows instead of the D-optimal ones, {}.", named.join(", "))
-        }
-    });
-    sentences.push(assumptions(request));
-    sentences
-}
-
-fn gain(plan: &Plan) -> String {
-    let newly: Vec<&str> = plan
-        .parameters
-        .iter()
-        .filter(|planned| planned.now.is_none() && planned.after_d.is_some())
-        .map(|planned| planned.parameter.name.as_str())
-        .collect();
-    let falls: Vec<(f64, &str)> = plan
-        .parameters
-        .iter()
-        .filter_map(|planned| Some((planned.after_d? / planned.now?, planned.parameter.name.as_str())))
-        .collect();
-    let mut text = String::new();
-    if !newly.is_empty() {
-        text += &format!("The planned rows determine {}, which the rows at hand do not. ", newly.join(", "));
-    }
-    let best = falls.iter().min_by(|a, b| a.0.total_cmp(&b.0));
-    match best {
-        Some((ratio, name)) if *ratio < 1.0 - WORTH => {
-            text += &format!(
-                "They take most from the standard error of {name}: {:.0} % of it are left.",
-                100.0 * ratio
-            );
-        }
-        Some((ratio, name)) => {
-            text += &format!(
-                "They change little: {:.0} % of the standard error of {name} are left, and more of all others. Wider limits or something \
-                 else to vary would help more than such rows.",
-                100.0 * ratio
-            );
-        }
-        None => {}
-    }
-    text.trim_end().replace("They", if newly.is_empty() { "The planned rows" } else { "They" })
-}
-
-fn same_rows(a: &Design, b: &Design) -> bool {
-    let sorted = |design: &Design| {
-        let mut rows: Vec<Vec<f64>> = design.rows.iter().map(|row| row.inputs.clone()).collect();
-        rows.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
-        rows
-    };
-    sorted(a) == sorted(b)
-}
-
-fn assumptions(request: &Request) -> String {
-    let points = &request.problem.experiment.points;
-    let mut errors: Vec<String> =
-        points.iter().map(|point| format!("{:.2} mm", 1e3 * point.reading_error)).collect();
-    errors.dedup();
-    let memory = request.limits.iter().any(|limit| limit.input.quantity.tendon().is_some());
-    let memory = if memory {
-        " Each planned row is taken by itself, tendons pulled to it from rest, without backlash or friction of an earlier row."
-    } else {
-        ""
-    };
-    format!(
-        "This rests on derivatives at the values of the files, on the reading error as stated ({}), and on a model that is right: where \
-         calibrate finds larger residuals, all intervals grow by its factor, now and after.{memory}",
-        errors.join(", ")
-    )
 }

@@ -109,8 +109,11 @@ fn angles(experiment: &Experiment) -> Vec<String> {
     }
 }
 
-/// The parameter of a path by the shortest end of it that is its alone.
+/// The parameter of a path by the shortest end of it that is its alone; an axis needs the base that it is of.
 fn shortest(experiment: &Experiment, path: &str) -> Result<Parameter, Error> {
+    if path.starts_with("base.") {
+        return Parameter::named(experiment, path);
+    }
     let words: Vec<&str> = path.split('.').collect();
     let ends = (0..words.len()).rev().map(|from| words[from..].join("."));
     let mut found = ends.filter_map(|end| Parameter::named(experiment, &end).ok());

@@ -50,8 +50,9 @@ fn dominating(budget: &Budget) -> String {
         .collect();
     let others = if others.is_empty() { String::new() } else { format!(", then {}", others.join(", ")) };
     format!(
-        "{} dominates with {:.0} % of the total's square{others}. If it were exact, the total of {} would fall to {}.",
+        "{} {} with {:.0} % of the total's square{others}. If it were exact, the total of {} would fall to {}.",
         described(first),
+        if first.share > 0.5 { "dominates" } else { "is the largest" },
         100.0 * first.share,
         mm(total.rms_first_order),
         mm(rest)
