@@ -329,7 +329,11 @@ pub struct Expected {
 /// As [`start`].
 pub fn expected(problem: &Problem, jacobian: &DMatrix<f64>) -> Result<Expected, Error> {
     let fit = Fit::new(problem, &Settings::default())?;
-    let at = fit.exact(jacobian);
+    let mut at = fit.exact(jacobian);
+    // what a fit would refuse to free is not determined, and in nobody's way
+    for mut column in at.jacobian.column_iter_mut().filter(|column| column.norm() < LEAST_INFLUENCE) {
+        column.fill(0.0);
+    }
     let statistics = Statistics::new(problem, &at, &vec![false; fit.scale.len()], 1.0);
     let error = |j: usize| statistics.standard_error(j).map(|error| error * fit.scale[j]);
     Ok(Expected {
@@ -344,7 +348,7 @@ const MOST_REWEIGHTINGS: usize = 20;
 const SETTLED: f64 = 1e-4;
 
 /// A parameter whose own size, or a large change of it, stays below so many reading errors tells nothing.
-const LEAST_INFLUENCE: f64 = 0.1;
+pub(crate) const LEAST_INFLUENCE: f64 = 0.1;
 
 fn refuse_without_influence(problem: &Problem, fit: &Fit, jacobian: &DMatrix<f64>) -> Result<(), Error> {
     let coordinates = problem.coordinates();

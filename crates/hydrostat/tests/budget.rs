@@ -259,7 +259,7 @@ fn threads_change_nothing() {
 /// Benches whose readings are drawn from the tolerances are refuted at 5 % in 5 % of all cases, theory (62).
 #[test]
 fn what_tolerances_explain_is_not_refuted() {
-    const BENCHES: usize = 300;
+    const BENCHES: usize = 200;
     let masses = [5.0, 10.0, 20.0, 30.0];
     let exact = |turn: f64, stiffer: f64| {
         let set = format!("\"material.wire.youngs_modulus\" = \"{} GPa\"", 54.0 * stiffer);
@@ -293,9 +293,9 @@ fn what_tolerances_explain_is_not_refuted() {
         by_shape += usize::from(found.chance_of_shape < 0.05);
         by_mean += usize::from(found.chance_of_mean < 0.05);
     }
-    // 15 are expected, with a standard deviation of 3.8
+    // 10 are expected, with a standard deviation of 3.1
     for count in [by_shape, by_mean] {
-        assert!((4..=27).contains(&count), "{by_shape} by shape, {by_mean} by mean");
+        assert!((2..=20).contains(&count), "{by_shape} by shape, {by_mean} by mean");
     }
 }
 
@@ -352,7 +352,7 @@ fn refusals() {
         BENCH,
         &["youngs_modulus=30 %"],
         20,
-        &["youngs_modulus", "54.0 GPa", "a quarter of the value at most"],
+        &["youngs_modulus", "= 54 GPa", "a quarter of the value at most"],
     );
     refused(BENCH, &["length=1 mm"], 5, &["found 5 samples, expected 20 to 1000000"]);
     let in_file = format!("{BENCH}[budget]\ntolerance = {{ lenght = \"1 mm\" }}\n");
@@ -360,7 +360,7 @@ fn refusals() {
         &in_file,
         &[],
         20,
-        &["bench.toml:26:24, key budget.tolerance.lenght", "did you mean \"length\"?"],
+        &["bench.toml:24:24, key budget.tolerance.lenght", "did you mean \"length\"?"],
     );
     let twice =
         format!("{BENCH}[budget]\ntolerance = {{ length = \"1 mm\", \"section.rod.length\" = \"2 mm\" }}\n");

@@ -1,5 +1,7 @@
 //! Chooses rows by their information: the exchange method.
 
+use crate::calibrate::LEAST_INFLUENCE;
+use crate::numeric::random::Random;
 use nalgebra::{Cholesky, DMatrix, Dyn};
 
 /// What a design makes small.
@@ -17,15 +19,15 @@ pub(super) struct Information {
     base: DMatrix<f64>,
     /// Of each candidate.
     candidates: Vec<DMatrix<f64>>,
-    /// Information that stands for none, so that what is undetermined has an end: of each parameter.
-    least: Vec<f64>,
 }
 
-/// Part of the largest information on a parameter that is as good as none.
-const NONE: f64 = 1e-9;
+/// Information on a parameter that is as good as none: with it, what is undetermined has an end.
+const NONE: f64 = LEAST_INFLUENCE * LEAST_INFLUENCE;
 /// Gain of log det or of the log of the trace that ends the exchange.
 const SETTLED: f64 = 1e-9;
 const MOST_PASSES: usize = 50;
+/// An exchange may end in a corner that only two rows at once would leave.
+const RANDOM_STARTS: usize = 10;
 
 impl Information {
     /// From derivatives in reading errors per scale (coordinates x parameters), and priors in scales.
@@ -39,26 +41,31 @@ impl Information {
             base[(j, j)] += prior.map_or(0.0, |error| error.powi(-2));
         }
         let candidates: Vec<DMatrix<f64>> = candidates.iter().map(|rows| rows.tr_mul(rows)).collect();
-        let least = (0..priors.len())
-            .map(|j| {
-                let largest = candidates.iter().map(|own| own[(j, j)]).fold(base[(j, j)], f64::max);
-                if largest > 0.0 { NONE * largest } else { 1.0 }
-            })
-            .collect();
-        Information { base, candidates, least }
+        Information { base, candidates }
     }
 
-    /// Greedy, then one exchange after the other while it helps (Fedorov 1972); the row that tells most alone first.
+    /// The best that exchange finds from a greedy start and from random ones (Fedorov 1972); the row that tells most alone first.
     pub(super) fn choose(&self, criterion: Criterion, count: usize) -> Vec<usize> {
-        let mut chosen: Vec<usize> = Vec::new();
+        let mut greedy: Vec<usize> = Vec::new();
         for _ in 0..count {
-            let (next, _) = self.best(criterion, &self.with(&chosen));
-            chosen.push(next);
+            greedy.push(self.best(criterion, &self.with(&greedy)).0);
         }
+        let random = (0..RANDOM_STARTS).map(|i| {
+            let mut random = Random::new(0, i);
+            (0..count).map(|_| random.below(self.candidates.len() as u64) as usize).collect()
+        });
+        let starts = std::iter::once(greedy).chain(random);
+        let ends = starts.map(|start| self.exchanged(criterion, start));
+        let best = ends.reduce(|best, next| if next.1 < best.1 - SETTLED { next } else { best });
+        self.ordered(criterion, best.map(|(chosen, _)| chosen).unwrap_or_default())
+    }
+
+    /// One row for another while it helps.
+    fn exchanged(&self, criterion: Criterion, mut chosen: Vec<usize>) -> (Vec<usize>, f64) {
         let mut value = self.value(criterion, &self.with(&chosen));
         for _ in 0..MOST_PASSES {
             let before = value;
-            for place in 0..count {
+            for place in 0..chosen.len() {
                 let mut others = chosen.clone();
                 others.remove(place);
                 let (next, better) = self.best(criterion, &self.with(&others));
@@ -70,7 +77,7 @@ impl Information {
                 break;
             }
         }
-        self.ordered(criterion, chosen)
+        (chosen, value)
     }
 
     /// Volume of the confidence region over that without these rows.
@@ -96,11 +103,8 @@ impl Information {
     }
 
     fn value(&self, criterion: Criterion, information: &DMatrix<f64>) -> f64 {
-        let mut all = information.clone();
-        for (j, least) in self.least.iter().enumerate() {
-            all[(j, j)] += least;
-        }
-        let Some(factor) = Cholesky::new(all) else { return f64::INFINITY };
+        let none = DMatrix::from_diagonal_element(information.nrows(), information.ncols(), NONE);
+        let Some(factor) = Cholesky::new(information + none) else { return f64::INFINITY };
         match criterion {
             Criterion::Determinant => -log_determinant(&factor),
             Criterion::Trace => factor.inverse().trace().ln(),
@@ -128,7 +132,6 @@ fn log_determinant(factor: &Cholesky<f64, Dyn>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numeric::random::Random;
 
     /// All pairs and triples of 30 candidates with 3 parameters.
     #[test]
