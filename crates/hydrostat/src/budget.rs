@@ -7,7 +7,7 @@ pub(crate) use usual::GRID_TILT;
 pub use usual::usual;
 
 use crate::Error;
-use crate::calibrate::{Loss, Parameter, Problem, predictions, sensitivities, start};
+use crate::calibrate::{Loss, Parameter, Points, Problem, predictions, sensitivities, start};
 use crate::numeric::random::Random;
 use crate::statics::Settings;
 use crate::verify::{Experiment, Summary};
@@ -178,9 +178,6 @@ pub fn budget(
     budget.verdict = verdict::verdict(experiment, &budget);
     Ok(budget)
 }
-
-/// Points of every row, bench axes.
-type Points = Vec<Vec<Vector3<f64>>>;
 
 /// The bench as the files have it, and how it answers each tolerance.
 struct Bench<'a> {

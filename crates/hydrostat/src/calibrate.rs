@@ -300,7 +300,10 @@ pub fn sensitivities(problem: &Problem, settings: &Settings) -> Result<(DVector<
     Ok((predicted, jacobian))
 }
 
-/// What was measured, as predicted with each of many sets of values, SI: (sets), each (rows x points), bench axes.
+/// Points of every row, bench axes: (rows x points).
+pub type Points = Vec<Vec<Vector3<f64>>>;
+
+/// What was measured, as predicted with each of many sets of values, SI, in their order.
 ///
 /// # Errors
 /// A row that cannot be solved with the values of the files; of a set alone where only that has none.
@@ -308,7 +311,7 @@ pub fn predictions(
     problem: &Problem,
     sets: &[Vec<f64>],
     settings: &Settings,
-) -> Result<Vec<Result<Vec<Vec<Vector3<f64>>>, Error>>, Error> {
+) -> Result<Vec<Result<Points, Error>>, Error> {
     fit::points_with(problem, sets, settings)
 }
 

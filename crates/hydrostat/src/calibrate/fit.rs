@@ -2,7 +2,7 @@
 
 use super::predict::{Predicted, Trial, points_of};
 use super::setup::Setup;
-use super::{Loss, Problem};
+use super::{Loss, Points, Problem};
 use crate::Error;
 use crate::numeric::least_squares::{self, Evaluation, Minimum};
 use crate::statics::{self, Workspace};
@@ -167,7 +167,7 @@ pub(super) fn points_with(
     problem: &Problem,
     sets: &[Vec<f64>],
     settings: &statics::Settings,
-) -> Result<Vec<Result<Vec<Vec<Vector3<f64>>>, Error>>, Error> {
+) -> Result<Vec<Result<Points, Error>>, Error> {
     let mut start = Fit::new(problem, settings)?;
     let values = start.start.clone();
     start.points(&values)?;
