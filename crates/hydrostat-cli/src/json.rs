@@ -1,8 +1,10 @@
 //! The JSON of docs/format.md: SI, the unit in the key.
 
 use crate::files;
+use hydrostat::budget::{Budget, Displacement, Tolerance};
 use hydrostat::calibrate::{Calibration, Problem};
 use hydrostat::model::Pose;
+use hydrostat::plan::{Design, Limit, Plan, Request};
 use hydrostat::solution::{Check, Method, Station, TendonState};
 use hydrostat::verify::{Experiment, Point, PointError, Summary, Varied, Verification};
 use hydrostat::{Equilibrium, Error, Robot};
@@ -230,4 +232,104 @@ fn check(check: &Check) -> Value {
 
 fn column(shape: &Equilibrium, of: impl Fn(&Station) -> Value) -> Value {
     shape.stations.iter().map(of).collect()
+}
+
+/// `budget --json`; one row per measured point.
+pub(crate) fn budget(experiment: &Experiment, budget: &Budget) -> Value {
+    let tolerances = budget.contributions.iter().map(|part| {
+        let mut object = Map::new();
+        object.insert("name".into(), json!(part.name()));
+        object.insert("value".into(), json!(part.value));
+        object.insert("standard_deviation".into(), json!(part.tolerance.as_ref().map(|t| t.deviation)));
+        object.insert("unit".into(), json!(part.tolerance.as_ref().map(Tolerance::unit)));
+        object.extend(displacement(&part.displacement));
+        object.insert("share".into(), json!(part.share));
+        Value::Object(object)
+    });
+    let mut rows = Vec::new();
+    for (i, row) in experiment.rows.iter().enumerate() {
+        for (j, point) in experiment.points.iter().enumerate() {
+            let mut object = Map::new();
+            for (input, value) in experiment.inputs.iter().zip(&row.inputs) {
+                object.insert(input_key(&input.column, input.quantity), json!(value));
+            }
+            let both = |part: &Displacement| json!({ "first_order_m": part.first_order[i][j], "monte_carlo_m": part.monte_carlo[i][j] });
+            let by =
+                budget.contributions.iter().map(|part| (part.name().to_owned(), both(&part.displacement)));
+            object.insert("at_m".into(), json!(point.at));
+            object.insert("by_tolerance".into(), Value::Object(by.collect()));
+            object.insert("total".into(), both(&budget.total));
+            object.insert("error_m".into(), json!(budget.errors[i][j]));
+            rows.push(Value::Object(object));
+        }
+    }
+    json!({
+        "experiment": experiment.name,
+        "samples": budget.samples,
+        "seed": budget.seed,
+        "failed_samples": budget.failed,
+        "tolerances": tolerances.collect::<Vec<_>>(),
+        "total": Value::Object(displacement(&budget.total)),
+        "rows": rows,
+        "verify": Value::Object(summary(&budget.verified)),
+        "chance_of_mean_error": budget.chance_of_mean,
+        "chi_square": budget.chi_square,
+        "degrees_of_freedom": budget.degrees_of_freedom,
+        "chi_square_chance": budget.chance_of_shape,
+        "verdict": budget.verdict,
+    })
+}
+
+fn displacement(part: &Displacement) -> Map<String, Value> {
+    Map::from_iter([
+        ("first_order_rms_m".to_owned(), json!(part.rms_first_order)),
+        ("monte_carlo_rms_m".to_owned(), json!(part.rms_monte_carlo)),
+        ("sampling_error_m".to_owned(), json!(part.sampling_error)),
+    ])
+}
+
+/// `plan --json`.
+pub(crate) fn plan(request: &Request, plan: &Plan) -> Value {
+    let parameters = plan.parameters.iter().map(|planned| {
+        let half = |error: Option<f64>| error.map(|error| error * plan.quantile);
+        json!({
+            "name": planned.parameter.name,
+            "value": planned.value,
+            "unit": planned.parameter.unit(),
+            "standard_error_now": planned.now,
+            "standard_error_after_d_optimal": planned.after_d,
+            "standard_error_after_a_optimal": planned.after_a,
+            "half_interval_95_now": half(planned.now),
+            "half_interval_95_after_d_optimal": half(planned.after_d),
+            "half_interval_95_after_a_optimal": half(planned.after_a),
+        })
+    });
+    let key = |limit: &Limit| input_key(&limit.input.column, limit.input.quantity);
+    let points = &request.problem.experiment.points;
+    let design = |design: &Design| {
+        let rows = design.rows.iter().map(|row| {
+            let inputs = request.limits.iter().zip(&row.inputs);
+            let mut object: Map<String, Value> =
+                inputs.map(|(limit, value)| (key(limit), json!(value))).collect();
+            let predicted = points.iter().zip(&row.predicted).map(|(point, predicted)| {
+                let read = point.axes.iter().map(|&axis| predicted[axis]).collect::<Vec<f64>>();
+                json!({ "at_m": point.at, "predicted_m": read })
+            });
+            object.insert("points".into(), predicted.collect());
+            Value::Object(object)
+        });
+        json!({ "rows": rows.collect::<Vec<_>>(), "confidence_volume_ratio": design.volume })
+    };
+    let limits = request.limits.iter().map(|limit| (key(limit), json!(limit.range)));
+    let left_out = plan.left_out.iter().map(|(reason, count)| json!({ "reason": reason, "count": count }));
+    json!({
+        "experiment": request.problem.experiment.name,
+        "limits": Value::Object(limits.collect()),
+        "candidates": plan.candidates,
+        "left_out": left_out.collect::<Vec<_>>(),
+        "d_optimal": design(&plan.d_optimal),
+        "a_optimal": design(&plan.a_optimal),
+        "parameters": parameters.collect::<Vec<_>>(),
+        "verdict": plan.verdict,
+    })
 }

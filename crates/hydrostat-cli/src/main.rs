@@ -6,6 +6,7 @@
 #![allow(clippy::print_stderr, reason = "the binary prints")]
 
 mod batch;
+mod budget;
 mod calibrate;
 mod check;
 mod comparison;
@@ -14,6 +15,7 @@ mod fabricate;
 mod files;
 mod json;
 mod new;
+mod plan;
 mod plot;
 mod solve;
 mod summary;
@@ -50,6 +52,10 @@ enum Command {
     Check(check::Args),
     /// Make the kit: drawings for the laser, solids, lists and the assembly guide
     Fabricate(fabricate::Args),
+    /// Find how much each tolerance moves what is measured
+    Budget(budget::Args),
+    /// Choose the measurements that tell most about what is free
+    Plan(plan::Args),
     /// Hold the solver against published and exact solutions
     Validate(validate::Args),
     /// Write commented starter files into the current folder
@@ -88,6 +94,8 @@ fn main() -> ExitCode {
         Command::Calibrate(args) => calibrate::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Fabricate(args) => fabricate::run(&args),
+        Command::Budget(args) => budget::run(&args),
+        Command::Plan(args) => plan::run(&args),
         Command::Validate(args) => validate::run(&args),
         Command::New(args) => new::run(&args),
     };

@@ -7,7 +7,7 @@ mod synthetic;
 use hydrostat::solution::Check;
 use hydrostat::verify::{Experiment, Verification};
 use hydrostat::{Equilibrium, Robot};
-use hydrostat_report::{Provenance, shape_svg, verification_page};
+use hydrostat_report::{Provenance, budget_svg, shape_svg, verification_page};
 use nalgebra::Vector3;
 use synthetic::v;
 
@@ -267,4 +267,21 @@ mod png {
         assert!(say(&svg(""), 1e9).contains("choose a scale"));
         assert!(say(&svg(""), f32::NAN).contains("choose a scale"));
     }
+}
+
+/// Bars of the thesis's bench, with names that need escaping and with one that is no number.
+#[test]
+fn budgets_are_drawn() {
+    let (mut experiment, tolerances) = hydrostat::description::builtin::budget(&[]).unwrap().value;
+    let settings = hydrostat::statics::Settings::default();
+    let mut budget = hydrostat::budget::budget(&experiment, &tolerances, 20, 1, &settings).unwrap();
+    let svg = budget_svg(&experiment, &budget);
+    check(&svg);
+    assert!(svg.contains("grid_tilt.z, 0.50 deg") && svg.contains("smaller ones are not shown"));
+    experiment.name = "<b> & more".into();
+    budget.contributions[0].displacement.monte_carlo[0][0] = f64::NAN;
+    budget.contributions[1].displacement.rms_first_order = f64::NAN;
+    check(&budget_svg(&experiment, &budget));
+    budget.contributions.clear();
+    check(&budget_svg(&experiment, &budget));
 }

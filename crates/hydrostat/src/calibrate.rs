@@ -18,7 +18,7 @@ use crate::statics::Settings;
 use crate::verify::{Experiment, PointError, Row, Summary, systematic};
 use crate::{Error, Robot};
 use fit::Fit;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector3};
 use statistics::Statistics;
 
 /// A bench, and what of it is not known.
@@ -117,6 +117,12 @@ pub struct CalibratedRow {
 }
 
 impl Problem {
+    /// Least squares from the files' values, nothing held out.
+    pub fn new(experiment: Experiment, parameters: Vec<Parameter>) -> Problem {
+        let (loss, starts, folds, holdout) = (Loss::Squares, 1, 0, Vec::new());
+        Problem { experiment, parameters, loss, starts, folds, holdout }
+    }
+
     /// Everything that was read: rows, points, axes.
     pub(crate) fn coordinates(&self) -> usize {
         self.experiment.rows.len()
@@ -172,14 +178,14 @@ pub fn calibrate_watched(
 ) -> Result<Calibration, Error> {
     problem.check()?;
     let experiment = &problem.experiment;
-    let mut fit = Fit::new(problem, settings, watch)?;
+    let mut fit = Fit::new(problem, settings)?;
     let start = fit.variables(&fit.start);
     let before = fit.points(&fit.start.clone())?;
     let first = fit.evaluate(&start, 1.0)?;
     refuse_without_influence(problem, &fit, &first.jacobian)?;
 
     // errors are as stated until chi-square refutes them; priors and robust loss then weigh against larger ones
-    let found = search::from_several_starts(&mut fit, &start);
+    let found = search::from_several_starts(&mut fit, &start, watch);
     let (mut minimum, starts) = found.map_err(|error| {
         // what the data cannot tell apart where the fit starts is the likely reason
         let held = vec![false; start.len()];
@@ -196,7 +202,7 @@ pub fn calibrate_watched(
         if !weighs {
             break;
         }
-        minimum = fit.minimize(&minimum.x, error_scale, problem.loss)?;
+        minimum = fit.minimize(&minimum.x, error_scale, problem.loss, watch)?;
         let next = statistics::error_scale(problem, &minimum, error_scale);
         if (next / error_scale - 1.0).abs() < SETTLED {
             break;
@@ -246,7 +252,7 @@ pub fn calibrate_watched(
         }
     });
     let folds = (problem.folds > 0)
-        .then(|| search::fold_errors(problem, settings, &values, error_scale, fit.watch))
+        .then(|| search::fold_errors(problem, settings, &values, error_scale, watch))
         .transpose()?
         .map(|errors| experiment.summary(robot.length(), errors.into_iter()));
     let holdout = (!problem.holdout.is_empty()).then(|| {
@@ -296,7 +302,7 @@ fn held_out(
     unseen.experiment.refuse_impossible_readings().map_err(|error| error.within("held out"))?;
     let experiment = &unseen.experiment;
     let errors = |i: usize| -> Result<Summary, Error> {
-        let points = Fit::new(&unseen, settings, &mut |_| ())?.points(values[i])?;
+        let points = Fit::new(&unseen, settings)?.points(values[i])?;
         let rows = experiment.rows.iter().zip(&points);
         Ok(experiment.summary(lengths[i], rows.flat_map(|(row, points)| experiment.differences(row, points))))
     };
@@ -309,7 +315,7 @@ fn held_out(
 /// # Errors
 /// A parameter that has no value, such as the stiffness of an inextensible tendon.
 pub fn start(problem: &Problem) -> Result<Vec<f64>, Error> {
-    Fit::new(problem, &Settings::default(), &mut |_| ()).map(|fit| fit.start.clone())
+    Fit::new(problem, &Settings::default()).map(|fit| fit.start)
 }
 
 /// What was measured, as predicted with one parameter at `value`, SI, and all others as in the files: (coordinates).
@@ -322,8 +328,7 @@ pub fn predict(
     value: f64,
     settings: &Settings,
 ) -> Result<DVector<f64>, Error> {
-    let mut none = |_: &Progress| ();
-    let mut fit = Fit::new(problem, settings, &mut none)?;
+    let mut fit = Fit::new(problem, settings)?;
     let mut values = fit.start.clone();
     values[parameter] = value;
     let predicted = fit.points(&values)?;
@@ -338,8 +343,7 @@ pub fn predict(
 /// # Errors
 /// A row that cannot be solved, with its inputs.
 pub fn sensitivities(problem: &Problem, settings: &Settings) -> Result<(DVector<f64>, DMatrix<f64>), Error> {
-    let mut none = |_: &Progress| ();
-    let mut fit = Fit::new(problem, settings, &mut none)?;
+    let mut fit = Fit::new(problem, settings)?;
     let at = fit.evaluate(&fit.variables(&fit.start), 1.0)?;
     let experiment = &problem.experiment;
     let read = experiment.rows.iter().flat_map(|row| experiment.points.iter().zip(&row.observed));
@@ -352,12 +356,58 @@ pub fn sensitivities(problem: &Problem, settings: &Settings) -> Result<(DVector<
     Ok((predicted, jacobian))
 }
 
+/// Points of every row, bench axes: (rows x points).
+pub type Points = Vec<Vec<Vector3<f64>>>;
+
+/// What was measured, as predicted with each of many sets of values, SI, in their order.
+///
+/// # Errors
+/// A row that cannot be solved with the values of the files; of a set alone where only that has none.
+pub fn predictions(
+    problem: &Problem,
+    sets: &[Vec<f64>],
+    settings: &Settings,
+) -> Result<Vec<Result<Points, Error>>, Error> {
+    fit::points_with(problem, sets, settings)
+}
+
+/// What a fit would know of its parameters.
+#[derive(Clone, Debug)]
+pub struct Expected {
+    /// Per parameter, SI; None where the rows do not determine it.
+    pub standard_errors: Vec<Option<f64>>,
+    /// Half a 95 % interval over its standard error.
+    pub quantile: f64,
+    /// In words: which combinations the rows would not tell apart.
+    pub told_apart: Vec<String>,
+}
+
+/// What a fit would know if its rows had these derivatives, SI (coordinates x parameters), and errors as stated.
+///
+/// # Errors
+/// As [`start`].
+pub fn expected(problem: &Problem, jacobian: &DMatrix<f64>) -> Result<Expected, Error> {
+    let fit = Fit::new(problem, &Settings::default())?;
+    let mut at = fit.exact(jacobian);
+    // what a fit would refuse to free is not determined, and in nobody's way
+    for mut column in at.jacobian.column_iter_mut().filter(|column| column.norm() < LEAST_INFLUENCE) {
+        column.fill(0.0);
+    }
+    let statistics = Statistics::new(problem, &at, &vec![false; fit.scale.len()], 1.0);
+    let error = |j: usize| statistics.standard_error(j).map(|error| error * fit.scale[j]);
+    Ok(Expected {
+        standard_errors: (0..fit.scale.len()).map(error).collect(),
+        quantile: statistics.quantile,
+        told_apart: verdict::identifiability(problem, &statistics, &at, &fit.scale),
+    })
+}
+
 /// Turns of weights and fit, and the relative change of the errors' scale that ends them.
 const MOST_REWEIGHTINGS: usize = 20;
 const SETTLED: f64 = 1e-4;
 
 /// A parameter whose own size, or a large change of it, stays below so many reading errors tells nothing.
-const LEAST_INFLUENCE: f64 = 0.1;
+pub(crate) const LEAST_INFLUENCE: f64 = 0.1;
 
 fn refuse_without_influence(problem: &Problem, fit: &Fit, jacobian: &DMatrix<f64>) -> Result<(), Error> {
     let coordinates = problem.coordinates();

@@ -1,5 +1,6 @@
 //! Text in, a robot or an experiment out. The format is `docs/format.md`.
 
+mod budget;
 pub mod builtin;
 mod calibration;
 mod commands;
@@ -8,6 +9,7 @@ mod experiment;
 mod fabrication;
 mod load;
 pub mod materials;
+mod plan;
 pub mod quantity;
 mod reader;
 mod rewrite;
@@ -20,10 +22,12 @@ pub mod unit;
 #[cfg(test)]
 mod format_test;
 
+pub use budget::parse_budget;
 pub use calibration::CalibrationFlags;
 pub use commands::parse_command_table;
 pub use experiment::{parse_calibration, parse_experiment};
 pub use fabrication::parse_workshop;
+pub use plan::{PlanFlags, parse_plan};
 pub use rewrite::write_calibrated;
 pub use robot::parse_robot;
 pub use tendon::parse_commands;

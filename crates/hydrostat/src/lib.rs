@@ -38,8 +38,10 @@ pub mod statics;
 
 // what the shape is used for
 pub mod batch;
+pub mod budget;
 pub mod calibrate;
 pub mod fabricate;
+pub mod plan;
 pub mod validate;
 pub mod verify;
 

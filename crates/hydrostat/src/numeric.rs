@@ -5,6 +5,7 @@ pub mod blocks;
 pub mod collocation;
 pub mod least_squares;
 pub mod nonnegative;
+pub mod random;
 
 /// The explicit Runge-Kutta method of order 8 in 12 stages of Dormand and Prince, as in DOP853
 /// (Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I, 2nd ed., appendix).

@@ -20,7 +20,7 @@ const MATHEMATICS: usize = 3;
 const EVERYWHERE: &str = "error";
 
 /// Imports against the rules, each with its reason.
-const EXCEPTIONS: [(&str, &str, &str); 5] = [
+const EXCEPTIONS: [(&str, &str, &str); 11] = [
     ("description", "verify", "an experiment file describes a bench"),
     ("description", "batch", "a table of commands describes a batch"),
     ("description", "calibrate", "an experiment file says what is free"),
@@ -30,6 +30,16 @@ const EXCEPTIONS: [(&str, &str, &str); 5] = [
         "verify",
         "a calibration fits the bench that verify compares with, and judges by the same test",
     ),
+    ("description", "budget", "an experiment file states tolerances"),
+    ("description", "plan", "an experiment file limits what may be measured"),
+    ("budget", "verify", "a budget is of a bench, and explains the error that verify finds"),
+    (
+        "budget",
+        "calibrate",
+        "tolerances are of the parameters that a calibration may free, with its sensitivities",
+    ),
+    ("plan", "verify", "a plan adds rows to a bench"),
+    ("plan", "calibrate", "a plan serves the parameters that a calibration frees, with its sensitivities"),
 ];
 
 /// What would make the core depend on the machine it runs on.

@@ -4,6 +4,7 @@
 #![allow(clippy::print_stdout, reason = "a skipped test says so")]
 
 mod batch;
+mod budget;
 mod calibrate;
 mod fabricate;
 mod new;

@@ -2,7 +2,7 @@
 
 use super::predict::{Predicted, Trial, points_of};
 use super::setup::Setup;
-use super::{Loss, Problem, Progress};
+use super::{Loss, Points, Problem, Progress};
 use crate::Error;
 use crate::numeric::least_squares::{self, Evaluation, Minimum};
 use crate::statics::{self, Workspace};
@@ -21,6 +21,7 @@ const CONVERGED: f64 = 1e-10;
 const NEGLIGIBLE: f64 = 1e-12;
 
 /// A problem with what its solution needs again and again.
+#[derive(Clone)]
 pub(super) struct Fit<'a> {
     pub(super) problem: &'a Problem,
     pub(super) base: Setup,
@@ -32,18 +33,13 @@ pub(super) struct Fit<'a> {
     workspaces: Vec<Workspace>,
     /// Rows that weigh nothing.
     pub(super) ignored: Range<usize>,
-    pub(super) watch: &'a mut dyn FnMut(&Progress),
     /// What the watcher is told.
     pub(super) stage: String,
     evaluations: usize,
 }
 
 impl<'a> Fit<'a> {
-    pub(super) fn new(
-        problem: &'a Problem,
-        settings: &statics::Settings,
-        watch: &'a mut dyn FnMut(&Progress),
-    ) -> Result<Fit<'a>, Error> {
+    pub(super) fn new(problem: &'a Problem, settings: &statics::Settings) -> Result<Fit<'a>, Error> {
         let experiment = &problem.experiment;
         let base = Setup::new(experiment);
         let start = problem.parameters.iter().map(|parameter| {
@@ -64,18 +60,7 @@ impl<'a> Fit<'a> {
         let settings = statics::Settings { stations: 0, eigenvalue: false, tolerance, ..settings.clone() };
         let workspaces = vec![Workspace::default(); experiment.rows.len()];
         let (stage, evaluations) = ("fit".to_owned(), 0);
-        Ok(Fit {
-            problem,
-            base,
-            start,
-            scale,
-            settings,
-            workspaces,
-            ignored: 0..0,
-            watch,
-            stage,
-            evaluations,
-        })
+        Ok(Fit { problem, base, start, scale, settings, workspaces, ignored: 0..0, stage, evaluations })
     }
 
     /// In SI, of variables in units of their scale.
@@ -134,9 +119,24 @@ impl<'a> Fit<'a> {
             }
         }
         self.evaluations += 1;
-        let residual = residuals.norm() * error_scale / (residuals.len() as f64).sqrt();
-        (self.watch)(&Progress { stage: self.stage.clone(), evaluations: self.evaluations, residual });
         Ok(Evaluation { residuals, jacobian })
+    }
+
+    /// No residuals, with given derivatives, SI (coordinates x parameters), and those of the priors.
+    pub(super) fn exact(&self, jacobian: &DMatrix<f64>) -> Evaluation {
+        let points = &self.problem.experiment.points;
+        let per_row: Vec<f64> =
+            points.iter().flat_map(|point| point.axes.iter().map(|_| point.reading_error)).collect();
+        let scaled = |k: usize, j: usize| jacobian[(k, j)] * self.scale[j] / per_row[k % per_row.len()];
+        let measured = DMatrix::from_fn(jacobian.nrows(), self.scale.len(), scaled);
+        let priors: Vec<(usize, f64)> = (0..self.scale.len())
+            .filter_map(|j| Some((j, self.scale[j] / self.problem.parameters[j].prior?.standard_error)))
+            .collect();
+        let mut all = measured.insert_rows(jacobian.nrows(), priors.len(), 0.0);
+        for (k, (j, weight)) in priors.into_iter().enumerate() {
+            all[(jacobian.nrows() + k, j)] = weight;
+        }
+        Evaluation { residuals: DVector::zeros(all.nrows()), jacobian: all }
     }
 
     /// The best values with reading errors so many times as large as stated.
@@ -145,6 +145,7 @@ impl<'a> Fit<'a> {
         from: &DVector<f64>,
         error_scale: f64,
         loss: Loss,
+        watch: &mut dyn FnMut(&Progress),
     ) -> Result<Minimum, Error> {
         let bounds = self.problem.parameters.iter().zip(&self.scale);
         let bounds: Vec<[f64; 2]> =
@@ -155,7 +156,12 @@ impl<'a> Fit<'a> {
         };
         let settings =
             least_squares::Settings { tolerance: CONVERGED, negligible: NEGLIGIBLE, ..Default::default() };
-        least_squares::minimize(from, &bounds, loss, &settings, &mut |x| self.evaluate(x, error_scale))
+        least_squares::minimize(from, &bounds, loss, &settings, &mut |x| {
+            let at = self.evaluate(x, error_scale)?;
+            let residual = at.residuals.norm() * error_scale / (at.residuals.len() as f64).sqrt();
+            watch(&Progress { stage: self.stage.clone(), evaluations: self.evaluations, residual });
+            Ok(at)
+        })
     }
 
     /// Points of every row with these values, bench axes.
@@ -173,6 +179,18 @@ impl<'a> Fit<'a> {
         let points: Vec<_> = points.collect();
         points.into_iter().collect()
     }
+}
+
+/// Points of every row with each of many sets of values, each from the same start, so that no set depends on another.
+pub(super) fn points_with(
+    problem: &Problem,
+    sets: &[Vec<f64>],
+    settings: &statics::Settings,
+) -> Result<Vec<Result<Points, Error>>, Error> {
+    let mut start = Fit::new(problem, settings)?;
+    let values = start.start.clone();
+    start.points(&values)?;
+    Ok(sets.par_iter().map(|values| start.clone().points(values)).collect())
 }
 
 fn in_row(experiment: &Experiment, row: usize, error: Error) -> Error {

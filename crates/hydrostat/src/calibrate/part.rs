@@ -144,7 +144,7 @@ impl Part {
     }
 
     /// A change that matters: the value itself, or what the bench is large in.
-    pub(super) fn scale(&self, experiment: &Experiment, value: f64) -> f64 {
+    pub(crate) fn scale(&self, experiment: &Experiment, value: f64) -> f64 {
         let length = experiment.robot.length();
         match self {
             Part::BasePosition { .. } | Part::MarkerOffset { .. } => length,

@@ -20,6 +20,7 @@ const SPREAD_OF_SIGNED: f64 = 0.1;
 pub(super) fn from_several_starts(
     fit: &mut Fit,
     first: &DVector<f64>,
+    watch: &mut dyn FnMut(&Progress),
 ) -> Result<(Minimum, Option<String>), Error> {
     let count = fit.problem.starts.max(1);
     let mut ends: Vec<(f64, Minimum)> = Vec::new();
@@ -29,7 +30,7 @@ pub(super) fn from_several_starts(
             fit.stage = format!("start {} of {count}", k + 1);
         }
         let start = if k == 0 { first.clone() } else { other_start(fit, k) };
-        match fit.minimize(&start, 1.0, Loss::Squares) {
+        match fit.minimize(&start, 1.0, Loss::Squares, watch) {
             Ok(minimum) => ends.push((minimum.at.residuals.norm_squared(), minimum)),
             Err(error) => refusal = refusal.or(Some(error)),
         }
@@ -105,11 +106,11 @@ pub(super) fn fold_errors(
     for fold in 0..problem.folds {
         let held = fold * rows / problem.folds..(fold + 1) * rows / problem.folds;
         // held rows weigh nothing, but stay where they are: what comes after them depends on them
-        let mut fit = Fit::new(problem, settings, watch)?;
+        let mut fit = Fit::new(problem, settings)?;
         fit.stage = format!("fold {} of {}", fold + 1, problem.folds);
         fit.ignored = held.clone();
         let start = fit.variables(values);
-        let minimum = fit.minimize(&start, error_scale, problem.loss)?;
+        let minimum = fit.minimize(&start, error_scale, problem.loss, watch)?;
         let values = fit.values(&minimum.x);
         let points = fit.points(&values)?;
         for k in held {

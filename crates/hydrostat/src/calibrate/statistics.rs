@@ -120,7 +120,7 @@ impl Statistics {
         let leverage = at.jacobian.row_iter().map(|row| (row * &inverse).dot(&row)).collect();
 
         let coordinates = problem.coordinates();
-        let degrees_of_freedom = at.residuals.len() - index.len();
+        let degrees_of_freedom = at.residuals.len().saturating_sub(index.len());
         let chi_square = chi_square_with(problem, &at.residuals, error_scale);
         let estimated = error_scale > 1.0;
         Statistics {

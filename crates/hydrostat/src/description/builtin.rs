@@ -1,7 +1,12 @@
 //! The files that the program carries: the rod and the bench of Gray 2009.
 
-use super::{CalibrationFlags, Parsed, parse_calibration, parse_experiment, parse_robot};
+use super::{
+    CalibrationFlags, Parsed, PlanFlags, parse_budget, parse_calibration, parse_experiment, parse_plan,
+    parse_robot,
+};
+use crate::budget::Tolerance;
 use crate::calibrate::{Calibration, Problem};
+use crate::plan::Request;
 use crate::verify::Experiment;
 use crate::{Error, Robot};
 
@@ -34,6 +39,16 @@ pub fn calibration(flags: &CalibrationFlags) -> Result<Parsed<Problem>, Error> {
 /// The same with the weight that the thesis's own prediction was made with.
 pub fn fitted_experiment() -> Result<Parsed<Experiment>, Error> {
     parse_experiment(FITTED_EXPERIMENT, "experiments/gray2009/fitted_weight.toml", &mut load)
+}
+
+/// Table 2 of Gray 2009 with the tolerances of flags, or the usual ones.
+pub fn budget(flags: &[String]) -> Result<Parsed<(Experiment, Vec<Tolerance>)>, Error> {
+    parse_budget(EXPERIMENT, "experiments/gray2009/stated.toml", &mut load, flags)
+}
+
+/// Table 2 of Gray 2009 with what is free and what may be measured next.
+pub fn plan(free: &CalibrationFlags, flags: &PlanFlags) -> Result<Parsed<Request>, Error> {
+    parse_plan(EXPERIMENT, "experiments/gray2009/stated.toml", &mut load, free, flags)
 }
 
 /// The text of the rod's file with the values of a calibration.

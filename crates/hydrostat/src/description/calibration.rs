@@ -144,7 +144,7 @@ fn find<'p>(parameters: &'p mut [Parameter], name: &str) -> Result<&'p mut Param
 }
 
 /// A quantity, or a pure number for what has no dimension.
-fn scalar(text: &str, kind: &Kind) -> Result<f64, Error> {
+pub(super) fn scalar(text: &str, kind: &Kind) -> Result<f64, Error> {
     match text.trim().parse::<f64>() {
         Ok(number) if *kind == quantity::FRACTION && number.is_finite() => Ok(number),
         _ => quantity::scalar(text, kind),

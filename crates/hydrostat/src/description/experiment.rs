@@ -7,8 +7,9 @@ use super::load::read_arc_length;
 use super::quantity::{ANGLE, FORCE, FRACTION, Kind, LENGTH, MASS};
 use super::reader::{Entry, Node, Source, Table};
 use super::robot::{self, perpendicular};
-use super::tendon;
+use super::{budget, plan, tendon};
 use crate::Error;
+use crate::budget::Tolerance;
 use crate::calibrate::Problem;
 use crate::model::{Pose, Robot};
 use crate::verify::{Experiment, Input, Point, Published, Row, Varied};
@@ -26,6 +27,8 @@ pub(super) const EXPERIMENT_KEYS: &[&str] = &[
     "published",
     "variant",
     "calibrate",
+    "budget",
+    "plan",
 ];
 pub(super) const BENCH_KEYS: &[&str] = &["origin", "x", "y", "mount_angle"];
 pub(super) const VARY_KEYS: &[&str] =
@@ -53,16 +56,23 @@ pub fn parse_calibration(
     load: &mut dyn FnMut(&str) -> Result<String, Error>,
     flags: &CalibrationFlags,
 ) -> Result<Parsed<Problem>, Error> {
-    let Parsed { value: (experiment, wanted), warnings } = read(text, file, load, flags)?;
-    Ok(Parsed { value: calibration::problem(experiment, wanted, flags)?, warnings })
+    let Parsed { value: (experiment, asked), warnings } = read(text, file, load, flags)?;
+    Ok(Parsed { value: calibration::problem(experiment, asked.calibration, flags)?, warnings })
 }
 
-fn read(
+/// What the file asks of single commands.
+pub(super) struct Asked {
+    pub(super) calibration: Wanted,
+    pub(super) tolerances: Vec<Tolerance>,
+    pub(super) plan: plan::Wanted,
+}
+
+pub(super) fn read(
     text: &str,
     file: &str,
     load: &mut dyn FnMut(&str) -> Result<String, Error>,
     flags: &CalibrationFlags,
-) -> Result<Parsed<(Experiment, Wanted)>, Error> {
+) -> Result<Parsed<(Experiment, Asked)>, Error> {
     let source = Source::new(file, text);
     let root = source.parse()?;
     let table = root.table(EXPERIMENT_KEYS)?;
@@ -108,8 +118,12 @@ fn read(
         published,
         variants,
     };
-    let wanted = calibration::read(&experiment, &table, holdout)?;
-    Ok(Parsed { value: (experiment, wanted), warnings })
+    let asked = Asked {
+        calibration: calibration::read(&experiment, &table, holdout)?,
+        tolerances: budget::read(&experiment, &table)?,
+        plan: plan::read(&experiment, &table)?,
+    };
+    Ok(Parsed { value: (experiment, asked), warnings })
 }
 
 /// A file that the experiment file names.

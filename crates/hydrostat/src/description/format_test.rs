@@ -2,8 +2,8 @@
 
 use super::quantity::rounded;
 use super::{
-    calibration, experiment as e, fabrication, load, materials, parse_command_table, parse_experiment,
-    parse_robot, robot, section, templates, tendon,
+    budget, calibration, experiment as e, fabrication, load, materials, parse_command_table,
+    parse_experiment, parse_robot, plan, robot, section, templates, tendon,
 };
 use crate::Error;
 
@@ -27,6 +27,8 @@ const TABLES: &[(&str, &[&str])] = &[
     ("published", e::PUBLISHED_KEYS),
     ("variant", e::VARIANT_KEYS),
     ("calibrate", calibration::CALIBRATE_KEYS),
+    ("budget", budget::BUDGET_KEYS),
+    ("plan", plan::PLAN_KEYS),
 ];
 
 /// First cells, without backticks, of the table that has this header.

@@ -2,6 +2,7 @@
 
 use crate::Robot;
 use crate::model::{CrossSection, Frame, Load, LoadKind, Material, Pose, Profile, Section};
+pub(super) use crate::numeric::random::Random;
 use nalgebra::{Rotation3, Unit, Vector3};
 use std::f64::consts::PI;
 
@@ -151,47 +152,4 @@ fn loads(random: &mut Random, robot: &Robot) -> Vec<Load> {
         });
     }
     kinds.into_iter().map(|kind| Load { name: None, kind }).collect()
-}
-
-/// SplitMix64 (Steele, Lea & Flood 2014): ten lines instead of a dependency.
-pub(super) struct Random(u64);
-
-impl Random {
-    /// The stream of one index.
-    pub(super) fn new(seed: u64, index: usize) -> Random {
-        let mut random = Random(seed.wrapping_mul(0xD134_2543_DE82_EF95).wrapping_add(index as u64));
-        random.next();
-        random
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    pub(super) fn uniform(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * (self.next() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    pub(super) fn log_uniform(&mut self, low: f64, high: f64) -> f64 {
-        self.uniform(low.ln(), high.ln()).exp()
-    }
-
-    pub(super) fn chance(&mut self, probability: f64) -> bool {
-        self.uniform(0.0, 1.0) < probability
-    }
-
-    pub(super) fn below(&mut self, count: u64) -> u64 {
-        self.next() % count
-    }
-
-    /// Uniform on the sphere (Archimedes).
-    pub(super) fn direction(&mut self) -> Vector3<f64> {
-        let (z, angle) = (self.uniform(-1.0, 1.0), self.uniform(0.0, 2.0 * PI));
-        let r = (1.0 - z * z).sqrt();
-        Vector3::new(r * angle.cos(), r * angle.sin(), z)
-    }
 }

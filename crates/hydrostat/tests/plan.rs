@@ -1,0 +1,247 @@
+//! Plans against brute force, and against what `calibrate` reports once the planned rows are measured.
+
+use hydrostat::Error;
+use hydrostat::calibrate::{Problem, calibrate, sensitivities};
+use hydrostat::description::{CalibrationFlags, PlanFlags, builtin, parse_plan};
+use hydrostat::plan::{Plan, Request, plan};
+use hydrostat::statics::Settings;
+use hydrostat::verify::Row;
+use nalgebra::{DMatrix, Vector3};
+
+fn free(names: &str) -> CalibrationFlags {
+    CalibrationFlags { free: vec![names.to_owned()], ..CalibrationFlags::default() }
+}
+
+fn flags(limits: &[&str], measurements: usize) -> PlanFlags {
+    PlanFlags {
+        limits: limits.iter().map(|text| (*text).to_owned()).collect(),
+        measurements: Some(measurements),
+        seed: 1,
+    }
+}
+
+fn request(names: &str, limits: &[&str], measurements: usize) -> Request {
+    builtin::plan(&free(names), &flags(limits, measurements)).expect("is valid").value
+}
+
+fn planned(request: &Request) -> Plan {
+    plan(request, &Settings::default()).expect("is found")
+}
+
+/// Derivatives of the rows at hand and of the same bench with other masses, in reading errors, (rows x (2 x parameters)).
+fn derivatives(problem: &Problem, masses: &[f64]) -> (DMatrix<f64>, Vec<DMatrix<f64>>) {
+    let scaled = |problem: &Problem| {
+        sensitivities(problem, &Settings::default()).expect("solves").1
+            / problem.experiment.points[0].reading_error
+    };
+    let mut candidates = problem.clone();
+    candidates.experiment.rows =
+        masses.iter().map(|mass| Row { inputs: vec![*mass], observed: vec![Vector3::zeros()] }).collect();
+    let all = scaled(&candidates);
+    let rows = (0..masses.len()).map(|i| all.rows(2 * i, 2).into_owned());
+    (scaled(problem), rows.collect())
+}
+
+fn masses() -> Vec<f64> {
+    (0..400).map(|i| 41.7e-3 * f64::from(i) / 399.0).collect()
+}
+
+/// The row at which the parameter shows most, as often as there is time.
+#[test]
+fn one_parameter_is_measured_where_it_shows_most() {
+    let request = request("youngs_modulus", &[], 2);
+    let found = planned(&request);
+    let masses = masses();
+    let (_, candidates) = derivatives(&request.problem, &masses);
+    let best = (0..masses.len()).max_by(|&a, &b| candidates[a].norm().total_cmp(&candidates[b].norm()));
+    let best = masses[best.expect("is not empty")];
+    for design in [&found.d_optimal, &found.a_optimal] {
+        for row in &design.rows {
+            assert!((row.inputs[0] - best).abs() < 1e-9, "{row:?} {best}");
+        }
+    }
+}
+
+/// All 80,200 pairs of the grid.
+#[test]
+fn two_rows_for_two_parameters_are_the_best_pair() {
+    let request = request("youngs_modulus,length", &[], 2);
+    let found = planned(&request);
+    let (measured, candidates) = derivatives(&request.problem, &masses());
+    let base = measured.tr_mul(&measured);
+    let own: Vec<DMatrix<f64>> = candidates.iter().map(|rows| rows.tr_mul(rows)).collect();
+    let (mut largest, mut smallest) = (0.0_f64, f64::INFINITY);
+    for a in 0..own.len() {
+        for b in 0..=a {
+            let all = &base + &own[a] + &own[b];
+            let determinant = all[(0, 0)] * all[(1, 1)] - all[(0, 1)].powi(2);
+            largest = largest.max(determinant);
+            let relative = all[(1, 1)] / 54e9_f64.powi(2) + all[(0, 0)] / 0.39_f64.powi(2);
+            smallest = smallest.min(relative / determinant);
+        }
+    }
+    let before = base[(0, 0)] * base[(1, 1)] - base[(0, 1)].powi(2);
+    let volume = found.d_optimal.volume.expect("is determined");
+    assert!((volume / (before / largest).sqrt() - 1.0).abs() < 1e-6, "{volume}");
+    let sum: f64 =
+        found.parameters.iter().map(|p| (p.after_a.expect("is determined") / p.value).powi(2)).sum();
+    assert!((sum / smallest - 1.0).abs() < 1e-6, "{sum:e} {smallest:e}");
+}
+
+/// Exact readings at the rows at hand and at the planned ones, and a calibration of all.
+#[test]
+fn expected_errors_are_those_of_a_calibration() {
+    /// Both from the same derivatives, at values that the fit finds again.
+    const CLOSE: f64 = 1e-4;
+    for (names, limits) in [
+        ("youngs_modulus,length", &[][..]),
+        ("youngs_modulus,length,density", &["mount_angle=0 deg to 60 deg", "mass=0 g to 20 g"]),
+    ] {
+        let mut request = request(names, limits, 3);
+        request.problem.parameters[0].prior =
+            Some(hydrostat::calibrate::Prior { value: 54e9, standard_error: 1e9 });
+        let found = planned(&request);
+        let mut problem = request.problem.clone();
+        problem.experiment.inputs = request.limits.iter().map(|limit| limit.input.clone()).collect();
+        let inputs = problem.experiment.inputs.len();
+        let predicted = sensitivities(&request.problem, &Settings::default()).expect("solves").0;
+        for (i, row) in problem.experiment.rows.iter_mut().enumerate() {
+            row.inputs.resize(inputs, 0.0);
+            row.observed[0] = Vector3::new(predicted[2 * i], predicted[2 * i + 1], 0.0);
+        }
+        let now = calibrate(&problem, &Settings::default()).expect("fits");
+        for row in &found.d_optimal.rows {
+            let observed = row.predicted.clone();
+            problem.experiment.rows.push(Row { inputs: row.inputs.clone(), observed });
+        }
+        let after = calibrate(&problem, &Settings::default()).expect("fits");
+        for (j, planned) in found.parameters.iter().enumerate() {
+            for (expected, reported) in
+                [(planned.now, &now.parameters[j]), (planned.after_d, &after.parameters[j])]
+            {
+                let (expected, reported) =
+                    (expected.expect("is determined"), reported.standard_error.expect("is determined"));
+                assert!(
+                    (expected / reported - 1.0).abs() < CLOSE,
+                    "{}: {expected:e} {reported:e}",
+                    planned.parameter.name
+                );
+            }
+            let [low, high] = after.parameters[j].interval_95.expect("is determined");
+            let half = found.quantile * planned.after_d.expect("is determined");
+            assert!((half / (0.5 * (high - low)) - 1.0).abs() < CLOSE, "{half:e} {low:e} {high:e}");
+        }
+    }
+}
+
+/// A rod that would yield or fall over is no proposal, and a row whose derivatives are good for nothing is doubted.
+#[test]
+fn doubtful_rows_are_left_out_or_said() {
+    let found = planned(&request(
+        "youngs_modulus,mount_angle",
+        &["mass=0 g to 200 g", "mount_angle=-90 deg to 90 deg"],
+        2,
+    ));
+    let reasons: Vec<&str> = found.left_out.iter().map(|(reason, _)| reason.as_str()).collect();
+    assert!(
+        reasons.contains(&"check strain fails") && reasons.contains(&"check stability fails"),
+        "{reasons:?}"
+    );
+    let counted: usize = found.left_out.iter().map(|(_, count)| count).sum();
+    assert_eq!(counted + found.candidates, 400);
+    let upright = planned(&request(
+        "youngs_modulus,density,mount_angle",
+        &["mass=20 g to 24 g", "mount_angle=85 deg to 90 deg"],
+        2,
+    ));
+    assert!(
+        upright.verdict.iter().any(|sentence| sentence.starts_with("Doubt the row mass ")),
+        "{:?}",
+        upright.verdict
+    );
+}
+
+#[test]
+fn what_nothing_determines_is_named() {
+    let found =
+        planned(&request("youngs_modulus,shear_modulus,density", &["mount_angle=0 deg to 45 deg"], 2));
+    assert!(
+        found.parameters[1].now.is_none() && found.parameters[1].after_d.is_none(),
+        "{:?}",
+        found.parameters
+    );
+    assert!(found.parameters[0].after_d.is_some() && found.d_optimal.volume.is_none());
+    assert!(
+        found
+            .verdict
+            .iter()
+            .any(|sentence| sentence.contains("Nothing within the limits determines shear_modulus")),
+        "{:?}",
+        found.verdict
+    );
+    // collinear whatever the mass
+    let found = planned(&request("youngs_modulus,diameter", &[], 2));
+    let words = found.verdict.join(" ");
+    assert!(words.contains("youngs_modulus and diameter can") && words.contains("told apart"), "{words}");
+}
+
+const SCR: &str = include_str!("../../../robots/scr.toml");
+
+fn of_scr(limits: &[&str], names: &str) -> Result<Plan, Error> {
+    let bench = "name = \"scr\"\nrobot = \"scr.toml\"\ndata = \"data.csv\"\n[[vary]]\nquantity = \"tension\"\ntendon = \"a\"\n\
+                 column = \"pull\"\n[[measure]]\nat = \"tip\"\nx = \"x\"\nz = \"z\"\nreading_error = \"0.5 mm\"\n";
+    let data = "pull [N],x [mm],z [mm]\n0.5,1,1\n1,1,1\n";
+    let mut load = |path: &str| Ok(if path == "data.csv" { data.to_owned() } else { SCR.to_owned() });
+    let request = parse_plan(bench, "bench.toml", &mut load, &free(names), &flags(limits, 2))?.value;
+    plan(&request, &Settings::default())
+}
+
+/// Tendons that the table does not vary may be pulled as well.
+#[test]
+fn tendons_are_candidates() {
+    let found = of_scr(&["tension.b=0 N to 2 N"], "youngs_modulus,tendon.b.radius").expect("is found");
+    assert!(
+        found.parameters[1].now.is_none() && found.parameters[1].after_d.is_some(),
+        "{:?}",
+        found.parameters
+    );
+    assert!(found.d_optimal.rows.iter().any(|row| row.inputs[1] > 0.0), "{:?}", found.d_optimal);
+    assert!(
+        found.verdict.last().is_some_and(|sentence| sentence.contains("by itself")),
+        "{:?}",
+        found.verdict
+    );
+}
+
+#[test]
+fn refusals() {
+    let refused = |limit: &str, words: &[&str]| {
+        let error = builtin::plan(&free("youngs_modulus"), &flags(&[limit], 2)).expect_err(limit).to_string();
+        for word in words {
+            assert!(error.contains(word), "expected {word:?} in {error}");
+        }
+    };
+    refused("mass", &["found --limit \"mass\", expected NAME=LOW to HIGH"]);
+    refused("mass=5 g", &["--limit: found \"5 g\", expected two values, such as \"20 g to 20 g\""]);
+    refused("mass=5 mm to 6 mm", &["found a length, expected a mass"]);
+    refused("mass=6 g to 5 g", &["found \"6 g to 5 g\", expected the lower value first"]);
+    refused("mass=-6 g to 5 g", &["expected a mass of at least 0"]);
+    refused(
+        "angle=0 deg to 5 deg",
+        &["\"angle\" is nothing that is or could be varied here", "what can be: mass, mount_angle"],
+    );
+    refused("tension.a=0 N to 5 N", &["there is no tendon \"a\""]);
+    let error = of_scr(&["tension.a=0 N to 2 N"], "youngs_modulus").expect_err("twice").to_string();
+    assert!(error.contains("tendon \"a\" is varied already") && error.contains("\"pull\""), "{error}");
+    let error = of_scr(&["displacement.b=0 mm to 900 mm"], "youngs_modulus").expect_err("long").to_string();
+    assert!(error.contains("cannot be pulled in by 900 mm"), "{error}");
+    let none = plan(&request("youngs_modulus", &[], 0), &Settings::default()).expect_err("none").to_string();
+    assert!(none.contains("found 0 measurements to plan, expected 1 to 100"), "{none}");
+    let heavy = plan(&request("youngs_modulus", &["mass=5 kg to 6 kg"], 1), &Settings::default());
+    let heavy = heavy.expect_err("breaks").to_string();
+    assert!(
+        heavy.contains("nothing within the limits can be measured") && heavy.contains("strain"),
+        "{heavy}"
+    );
+    assert!(builtin::plan(&CalibrationFlags::default(), &flags(&[], 1)).is_err());
+}
