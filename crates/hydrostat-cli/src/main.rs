@@ -13,6 +13,7 @@ mod files;
 mod json;
 mod new;
 mod plot;
+mod provenance;
 mod solve;
 mod summary;
 mod text;
