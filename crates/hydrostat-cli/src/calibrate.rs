@@ -1,5 +1,6 @@
 //! `hydrostat calibrate`: parameters fitted to a measured bench, and how sure they are.
 
+use crate::provenance::provenance;
 use crate::text::{MM, aligned};
 use crate::{End, Outcome, files, json, warn};
 use hydrostat::Error;
@@ -42,6 +43,9 @@ pub(crate) struct Args {
     /// Save the calibrated robot, with the comments and units of its file
     #[arg(long, value_name = "ROBOT.toml")]
     write: Option<PathBuf>,
+    /// Write a page to print, DIR/index.html
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
     /// Let --write replace a file
     #[arg(long, requires = "write")]
     force: bool,
@@ -72,6 +76,10 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
         return Err(Error::new(format!("{} exists already and is left as it is", path.display()))
             .hint("choose another name, or replace it with --force"));
     }
+    let page_path = args.report.as_deref().map(|folder| folder.join("index.html"));
+    if let Some(folder) = &args.report {
+        files::refuse_file(folder)?;
+    }
     let mut freed = vec![args.free.clone()];
     if args.experiment.is_none() && args.free.is_empty() {
         if args.write.is_some() {
@@ -80,10 +88,15 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
         }
         freed = builtin::FREED.iter().map(|free| vec![(*free).to_owned()]).collect();
     }
+    let settings = Settings::default();
+    let mut files = Vec::new();
     let mut done = Vec::new();
     let settings = Settings { tolerance: COARSEST, ..Settings::default() };
     for free in &freed {
-        let parsed = read(args.experiment.as_deref(), &flags(free))?;
+        let parsed = read(args.experiment.as_deref(), &flags(free), &mut files)?;
+        if let Some(page) = &page_path {
+            refuse_replacing(page, &files, args.write.as_deref())?;
+        }
         if done.is_empty() {
             warn(&parsed.warnings);
         }
@@ -104,6 +117,12 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
         let text = calibrated_robot(args.experiment.as_deref(), problem, calibration)?;
         files::write(path, text.as_bytes())?;
     }
+    if let (Some(folder), Some(path)) = (&args.report, &page_path)
+        && let Some(page) = hydrostat_report::calibration_page(&done, &provenance(&settings, &files))
+    {
+        files::make_folder(folder)?;
+        files::write(path, page.as_bytes())?;
+    }
     let stdout = if args.json {
         format!("{}\n", json::calibrations(&done))
     } else {
@@ -120,28 +139,46 @@ fn progress() -> ProgressBar {
     ProgressBar::new_spinner()
 }
 
-/// Reads an experiment and what it names, relative to its own folder.
-fn read(path: Option<&Path>, flags: &CalibrationFlags) -> Result<Parsed<Problem>, Error> {
+/// A page may replace an older one, but neither what is read nor the robot that is saved.
+fn refuse_replacing(page: &Path, read: &[PathBuf], saved: Option<&Path>) -> Result<(), Error> {
+    let words = std::iter::once("the bench").chain(std::iter::repeat("a file that the bench names"));
+    let mut inputs: Vec<_> = words.zip(read.iter().map(|file| Some(file.as_path()))).collect();
+    inputs.push(("the robot that --write saves", saved));
+    files::refuse_replacing("--report", page, &inputs)
+}
+
+/// Reads an experiment and what it names, relative to its own folder; notes the paths. None is the built-in one.
+fn read(
+    path: Option<&Path>,
+    flags: &CalibrationFlags,
+    read: &mut Vec<PathBuf>,
+) -> Result<Parsed<Problem>, Error> {
     let Some(path) = path else {
         return builtin::calibration(flags);
     };
     let text = files::read_text(path)?;
     let held_out = flags.holdout.as_ref().map(PathBuf::from);
-    description::parse_calibration(
-        &text,
-        &path.to_string_lossy(),
-        &mut linked(path, held_out.as_deref()),
-        flags,
-    )
+    read.push(path.to_owned());
+    let fetch = &mut linked(path, held_out.as_deref(), read);
+    description::parse_calibration(&text, &path.to_string_lossy(), fetch, flags)
 }
 
-fn linked(experiment: &Path, held_out: Option<&Path>) -> impl FnMut(&str) -> Result<String, Error> {
+/// Reads what an experiment names, and notes the paths.
+fn linked(
+    experiment: &Path,
+    held_out: Option<&Path>,
+    read: &mut Vec<PathBuf>,
+) -> impl FnMut(&str) -> Result<String, Error> {
     let folder = experiment.parent().unwrap_or(Path::new("")).to_owned();
     // a path from the command line is relative to where the user is
     let held_out = held_out.map(Path::to_owned);
-    move |file| match &held_out {
-        Some(path) if path.as_os_str() == file => files::read_text(path),
-        _ => files::read_text(&folder.join(file)),
+    move |file| {
+        let path = match &held_out {
+            Some(path) if path.as_os_str() == file => path.clone(),
+            _ => folder.join(file),
+        };
+        read.push(path.clone());
+        files::read_text(&path)
     }
 }
 
@@ -175,7 +212,7 @@ fn calibrated_robot(
             description::write_calibrated(
                 &text,
                 &path.to_string_lossy(),
-                &mut linked(path, None),
+                &mut linked(path, None, &mut Vec::new()),
                 calibration,
                 &note,
             )
@@ -260,11 +297,7 @@ const MOST_COLUMNS: usize = 8;
 const PAIRS: usize = 5;
 
 fn strongest(names: &[&str], calibration: &Calibration) -> Vec<Vec<String>> {
-    let pairs = (0..names.len()).flat_map(|i| (0..i).map(move |j| (j, i)));
-    let mut pairs: Vec<(usize, usize)> =
-        pairs.filter(|pair| calibration.correlation[*pair].is_finite()).collect();
-    let size = |pair: &(usize, usize)| calibration.correlation[*pair].abs();
-    pairs.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    let pairs = calibration.pairs_by_correlation();
     let mut table = vec![vec!["strongest correlations".to_owned(), String::new(), String::new()]];
     table.extend(pairs.iter().take(PAIRS).map(|&(i, j)| {
         vec![names[i].to_owned(), names[j].to_owned(), format!("{:.2}", calibration.correlation[(i, j)])]
@@ -323,13 +356,12 @@ const LARGEST: usize = 10;
 
 /// Rows of the table, with their numbers.
 fn shown(calibration: &Calibration) -> Vec<(usize, &CalibratedRow)> {
-    let mut rows: Vec<(usize, &CalibratedRow)> = calibration.rows.iter().enumerate().collect();
-    if rows.len() > MOST_ROWS {
-        let largest = |row: &CalibratedRow| row.after.iter().map(|point| point.error).fold(0.0, f64::max);
-        rows.sort_by(|a, b| largest(b.1).total_cmp(&largest(a.1)));
-        rows.truncate(LARGEST);
+    let mut numbers: Vec<usize> = (0..calibration.rows.len()).collect();
+    if numbers.len() > MOST_ROWS {
+        numbers = calibration.rows_by_error();
+        numbers.truncate(LARGEST);
     }
-    rows
+    numbers.into_iter().map(|number| (number, &calibration.rows[number])).collect()
 }
 
 /// One line per measured point: residuals before and after.

@@ -17,6 +17,7 @@ mod json;
 mod new;
 mod plan;
 mod plot;
+mod provenance;
 mod solve;
 mod summary;
 mod text;

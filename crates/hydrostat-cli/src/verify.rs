@@ -1,11 +1,12 @@
 //! `hydrostat verify`: the model against a measured bench.
 
 use crate::plot::Format;
+use crate::provenance::provenance;
 use crate::{End, Outcome, comparison, files, json, warn};
 use hydrostat::Error;
 use hydrostat::description::{self, Parsed, builtin};
 use hydrostat::statics::Settings;
-use hydrostat::verify::{Experiment, Verification, verify};
+use hydrostat::verify::{Experiment, verify};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
@@ -45,7 +46,8 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
         files::write(path, &format.encode(drawing)?)?;
     }
     if let (Some(folder), Some(path)) = (&args.report, &page_path) {
-        let page = page(&experiment, &verification, &settings, &files);
+        let provenance = provenance(&settings, &files);
+        let page = hydrostat_report::verification_page(&experiment, &verification, &provenance);
         files::make_folder(folder)?;
         files::write(path, page.as_bytes())?;
     }
@@ -71,27 +73,4 @@ fn read(path: Option<&Path>, read: &mut Vec<PathBuf>) -> Result<Parsed<Experimen
         read.push(linked.clone());
         files::read_text(&linked)
     })
-}
-
-fn page(
-    experiment: &Experiment,
-    verification: &Verification,
-    settings: &Settings,
-    files: &[PathBuf],
-) -> String {
-    let arguments: Vec<String> =
-        std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned()).collect();
-    let provenance = hydrostat_report::Provenance {
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        method: "special Cosserat rod, multiple shooting".to_owned(),
-        tolerance: settings.tolerance,
-        files: if files.is_empty() {
-            vec!["the built-in bench of Gray 2009".to_owned()]
-        } else {
-            files.iter().map(|file| file.to_string_lossy().into_owned()).collect()
-        },
-        command: Some(format!("hydrostat {}", arguments.join(" "))),
-        date: None, // the same input gives the same page
-    };
-    hydrostat_report::verification_page(experiment, verification, &provenance)
 }

@@ -1,32 +1,20 @@
 //! Errors against what was varied, and the residual vectors.
 
-use crate::draw::{ACCENT, Anchor, Canvas, GRID, GRID_HEAVY, INK, MUTED, P, Pen, Rect, SECOND, Type, WHITE};
+use crate::draw::{ACCENT, Anchor, Canvas, GRID, GRID_HEAVY, INK, P, Pen, Rect, SECOND, Type, WHITE};
 use crate::labels::{self, Label, Obstacles};
 use crate::overlay::{AXES, CONSTANT_CURVATURE, Plane, along};
+use crate::panel::{BAND, NAME, Panel, SMALL, range};
 use crate::text::{self, decimals_of, fit, fixed, millimetres};
 use crate::ticks::{decimals, nice_step, ticks};
-use hydrostat::verify::{Experiment, Verification};
+use hydrostat::verify::{Experiment, Input, Verification};
 
-const SMALL: Type = Type::new(11.0, MUTED);
-const NAME: Type = Type::new(12.0, INK);
-const BAND: &str = "#dfe4ea";
 const LABELS: usize = 14;
 
 /// Error of every measured point over the first varied input (over the row's number without one).
 pub(crate) fn error_svg(experiment: &Experiment, verification: &Verification) -> String {
     let input = experiment.inputs.first();
-    let unit = input.map_or(1.0, |i| i.unit.1);
-    let xs: Vec<f64> = match input {
-        Some(_) => {
-            verification.rows.iter().map(|r| r.inputs.first().copied().unwrap_or(0.0) / unit).collect()
-        }
-        None => (1..=verification.rows.len()).map(|i| i as f64).collect(),
-    };
-    let x_name = match input {
-        Some(i) if i.unit.0.is_empty() => i.column.clone(),
-        Some(i) => format!("{} in {}", i.column, i.unit.0),
-        None => "row".to_owned(),
-    };
+    let inputs: Vec<&[f64]> = verification.rows.iter().map(|row| row.inputs.as_slice()).collect();
+    let (xs, x_name) = over(input, &inputs);
 
     // errors in mm, one series per measured point
     let points = verification.rows.iter().map(|r| r.points.len()).max().unwrap_or(0);
@@ -49,38 +37,15 @@ pub(crate) fn error_svg(experiment: &Experiment, verification: &Verification) ->
     let step_y = nice_step(if high > 0.0 { high / 6.0 } else { 0.2 });
     let high = (high / step_y).ceil().max(1.0) * step_y;
     let [low_x, high_x] = range(&xs);
-    let step_x = if input.is_none() {
-        nice_step(((high_x - low_x) / 9.0).max(1.0))
-    } else {
-        nice_step((high_x - low_x) / 9.0)
-    };
-    let at = |p: P| {
-        [left + 14.0 + (width - 28.0) * (p[0] - low_x) / (high_x - low_x), top + height * (1.0 - p[1] / high)]
-    };
+    let step_x = nice_step(((high_x - low_x) / 9.0).max(if input.is_none() { 1.0 } else { 0.0 }));
+    let panel = Panel { frame, x: [low_x, high_x], y: [0.0, high] };
+    let at = |p: P| panel.at(p);
 
     let mut page = Canvas::new();
     if reading > 0.0 {
-        page.rect(Rect::new(frame.x0, at([low_x, reading])[1], frame.x1, frame.y1), BAND, None);
+        panel.band(&mut page, [0.0, reading], BAND);
     }
-    let mut grid = Vec::new();
-    for y in ticks(0.0, high, step_y) {
-        let py = at([low_x, y])[1];
-        grid.push(([frame.x0, py], [frame.x1, py]));
-        page.text([frame.x0 - 7.0, py + 4.0], Anchor::End, SMALL, &fixed(y, decimals(step_y)));
-    }
-    let mut free_from = 0.0;
-    for x in ticks(low_x, high_x, step_x) {
-        let px = at([x, 0.0])[0];
-        grid.push(([px, frame.y0], [px, frame.y1]));
-        let half = SMALL.width(&fixed(x, decimals(step_x))) / 2.0;
-        if px - half < free_from {
-            continue;
-        }
-        free_from = px + half + 5.0;
-        page.text([px, frame.y1 + 16.0], Anchor::Middle, SMALL, &fixed(x, decimals(step_x)));
-    }
-    page.hairlines(&grid, Pen::new(GRID, 1.0));
-    page.rect(frame, "none", Some(Pen::new(GRID_HEAVY, 1.0)));
+    panel.grid(&mut page, [step_x, step_y]);
     page.text([frame.x0, frame.y0 - 26.0], Anchor::Start, NAME, "error in mm");
     page.text(
         [(frame.x0 + frame.x1) / 2.0, frame.y1 + 34.0],
@@ -121,6 +86,16 @@ pub(crate) fn error_svg(experiment: &Experiment, verification: &Verification) ->
     page.finish(frame.x1 + if several { 64.0 } else { 16.0 }, frame.y1 + 42.0, "Error against load")
 }
 
+/// Where rows stand along the horizontal axis: by an input, in its own unit, or by their number; and the name of that axis.
+pub(crate) fn over(input: Option<&Input>, inputs: &[&[f64]]) -> (Vec<f64>, String) {
+    let Some(input) = input else {
+        return ((1..=inputs.len()).map(|i| i as f64).collect(), "row".to_owned());
+    };
+    let (unit, size) = &input.unit;
+    let xs = inputs.iter().map(|row| row.first().copied().unwrap_or(0.0) / size).collect();
+    (xs, if unit.is_empty() { input.column.clone() } else { format!("{} in {unit}", input.column) })
+}
+
 /// Line, mark and name of each series, in one row.
 fn key(page: &mut Canvas, at: P, reading: f64) {
     let (mut x, y) = (at[0], at[1]);
@@ -147,7 +122,7 @@ fn diamond(page: &mut Canvas, c: P) {
 }
 
 /// A line through the points where it can be read as a function: no value of the input twice.
-fn joined(page: &mut Canvas, points: &[P], pen: Pen) {
+pub(crate) fn joined(page: &mut Canvas, points: &[P], pen: Pen) {
     let mut sorted: Vec<P> =
         points.iter().copied().filter(|p| p[0].is_finite() && p[1].is_finite()).collect();
     sorted.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -181,20 +156,6 @@ fn constant_curvature_error(
     };
     let axes = experiment.points.get(j).map_or(&[0, 1, 2][..], |p| &p.axes);
     axes.iter().filter(|&&a| a < 3).map(|&a| (p[a] - point.observed[a]).powi(2)).sum::<f64>().sqrt()
-}
-
-/// Lowest and highest, apart from each other.
-fn range(xs: &[f64]) -> [f64; 2] {
-    let finite = || xs.iter().copied().filter(|x| x.is_finite());
-    let (low, high) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
-    if low > high {
-        [0.0, 1.0]
-    } else if high - low <= 1e-9 * high.abs() {
-        let half = if high == 0.0 { 1.0 } else { 0.5 * high.abs() };
-        [low - half, high + half]
-    } else {
-        [low, high]
-    }
 }
 
 /// Observed minus predicted in one plane of the bench, to scale, with a disc of the reading error.

@@ -199,6 +199,18 @@ impl Canvas {
         }
     }
 
+    /// Round marks in one element, a few bytes each.
+    pub(crate) fn dots(&mut self, points: &[P], pen: Pen) {
+        let mut d = String::new();
+        for p in points.iter().filter(|p| finite(p)) {
+            let _ = write!(d, "M{:.1} {:.1}Z", p[0], p[1]);
+            self.cover(*p, pen.width / 2.0);
+        }
+        if !d.is_empty() {
+            self.path(&d, "none", Some(pen));
+        }
+    }
+
     pub(crate) fn rect(&mut self, r: Rect, fill: &str, pen: Option<Pen>) {
         if finite(&[r.x0, r.y0]) && finite(&[r.x1, r.y1]) {
             self.bounds.unite(r);

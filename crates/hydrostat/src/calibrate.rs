@@ -5,6 +5,7 @@ mod neighbours;
 mod parameter;
 mod part;
 mod predict;
+mod ranking;
 mod search;
 mod setup;
 mod statistics;

@@ -102,6 +102,7 @@ fn slack_tendons_do_not_hold_a_column() {
                 friction: 0.0,
                 breaking_load: None,
                 mass_per_length: 0.0,
+                home: 0.0,
             });
             robot.actuation.push(Command::Displacement { displacement, motion: Motion::Pulled });
         }
