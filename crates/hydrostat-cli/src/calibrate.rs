@@ -88,7 +88,6 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
         }
         freed = builtin::FREED.iter().map(|free| vec![(*free).to_owned()]).collect();
     }
-    let settings = Settings::default();
     let mut files = Vec::new();
     let mut done = Vec::new();
     let settings = Settings { tolerance: COARSEST, ..Settings::default() };
