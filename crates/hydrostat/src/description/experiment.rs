@@ -32,7 +32,7 @@ pub(super) const EXPERIMENT_KEYS: &[&str] = &[
 ];
 pub(super) const BENCH_KEYS: &[&str] = &["origin", "x", "y", "mount_angle"];
 pub(super) const VARY_KEYS: &[&str] =
-    &["quantity", "column", "unit", "at", "direction", "tendon", "backlash"];
+    &["quantity", "column", "unit", "tendon", "backlash", "at", "direction"];
 pub(super) const MEASURE_KEYS: &[&str] = &["at", "x", "y", "z", "unit", "reading_error"];
 pub(super) const PUBLISHED_KEYS: &[&str] = &["x", "y", "z", "error", "error_fraction", "mean_error"];
 pub(super) const VARIANT_KEYS: &[&str] = &["name", "set"];
