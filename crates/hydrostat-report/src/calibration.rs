@@ -90,15 +90,15 @@ fn parameter(problem: &Problem, estimate: &Estimate) -> Value {
     }
     if parameter.bounded {
         let [low, high] = parameter.bounds.map(|bound| pretty(&parameter.show(bound, None)));
-        notes.push(format!("kept between {low} and {high}"));
+        notes.push(format!("bounds {}", between(&low, &high)));
     }
     context! {
         name => parameter.name.as_str(),
-        notes => notes.join("; "),
+        notes,
         before => pretty(&parameter.show(*before, None)),
         value => show(*value),
         error => standard_error.map_or_else(|| "not determined".to_owned(), show),
-        interval => interval_95.map_or_else(|| "–".to_owned(), |[low, high]| format!("{} to {}", show(low), show(high))),
+        interval => interval_95.map_or_else(|| "–".to_owned(), |[low, high]| between(&show(low), &show(high))),
         drawing => svg(interval_svg(estimate)),
     }
 }
@@ -108,6 +108,12 @@ fn listed(places: &[String]) -> String {
         None => places.join(", "),
         Some(more) => format!("{} and {} more", places[..MOST_PATHS].join(", "), more + 1),
     }
+}
+
+/// `54.12 to 55.10 GPa`: one unit for both.
+fn between(low: &str, high: &str) -> String {
+    let low = low.split_once(' ').map_or(low, |(number, _)| number);
+    format!("{low} to {high}")
 }
 
 /// A true minus sign and raised powers.
@@ -127,9 +133,7 @@ fn errors(problem: &Problem, calibration: &Calibration) -> Vec<Value> {
         line("before".to_owned(), &calibration.before, false),
         line("calibrated".to_owned(), &calibration.after, true),
     ];
-    lines.extend(
-        calibration.left_out.iter().map(|s| line("each row from all others".to_owned(), s, false)),
-    );
+    lines.extend(calibration.left_out.iter().map(|s| line("each row from all others".to_owned(), s, false)));
     lines.extend(
         calibration
             .folds
@@ -162,6 +166,12 @@ fn rows(problem: &Problem, calibration: &Calibration) -> (Vec<String>, Vec<Vec<S
     heads.extend(several.then(|| "at [mm]".to_owned()));
     heads.extend(axes.iter().map(|&axis| format!("{} off [mm]", AXES[axis])));
     heads.extend(["error [mm]".to_owned(), "before [mm]".to_owned()]);
+    // long names of columns break behind their underscores
+    heads.iter_mut().for_each(|head| *head = head.replace('_', "_\u{200b}"));
+    let value =
+        |inputs: &[f64], k: usize| inputs.get(k).copied().unwrap_or(f64::NAN) / experiment.inputs[k].unit.1;
+    let digits_of = |k: usize| decimals_of(calibration.rows.iter().map(move |row| value(&row.inputs, k)));
+    let digits: Vec<usize> = (0..experiment.inputs.len()).map(digits_of).collect();
 
     let mut numbers: Vec<usize> = (0..calibration.rows.len()).collect();
     if numbers.len() > MOST_ROWS {
@@ -175,10 +185,7 @@ fn rows(problem: &Problem, calibration: &Calibration) -> (Vec<String>, Vec<Vec<S
             row.before.iter().zip(&row.after).zip(&experiment.points).enumerate()
         {
             let mut cells = vec![(number + 1).to_string()];
-            cells.extend(experiment.inputs.iter().enumerate().map(|(k, input)| {
-                let value = |inputs: &[f64]| inputs.get(k).copied().unwrap_or(f64::NAN) / input.unit.1;
-                fixed(value(&row.inputs), decimals_of(calibration.rows.iter().map(|row| value(&row.inputs))))
-            }));
+            cells.extend(digits.iter().enumerate().map(|(k, &digits)| fixed(value(&row.inputs, k), digits)));
             if j > 0 {
                 cells.iter_mut().for_each(String::clear);
             }
@@ -204,7 +211,9 @@ fn settings(done: &[(Problem, Calibration)]) -> Vec<Value> {
     };
     let loss = |problem: &Problem| match problem.loss {
         Loss::Squares => "squares of residuals over reading errors".to_owned(),
-        Loss::Huber => "Huber's: squares of small residuals over reading errors, sizes of large ones".to_owned(),
+        Loss::Huber => {
+            "Huber's: squares of small residuals over reading errors, sizes of large ones".to_owned()
+        }
     };
     let starts = |problem: &Problem| match problem.starts {
         0 | 1 => "1, the values of the files".to_owned(),

@@ -29,7 +29,8 @@ impl Panel {
 
     /// The values from one to another, over the whole width.
     pub(crate) fn band(&self, page: &mut Canvas, [low, high]: [f64; 2], colour: &str) {
-        let [bottom, top] = [low, high].map(|y| self.at([self.x[0], y])[1].clamp(self.frame.y0, self.frame.y1));
+        let [bottom, top] =
+            [low, high].map(|y| self.at([self.x[0], y])[1].clamp(self.frame.y0, self.frame.y1));
         page.rect(Rect::new(self.frame.x0, top, self.frame.x1, bottom), colour, None);
     }
 

@@ -281,6 +281,8 @@ pub(crate) fn summary(errors: &[f64], length: f64, reading: f64) -> Summary {
         max: errors.iter().copied().fold(0.0, f64::max),
         mean_fraction: mean / length,
         in_reading_errors: rms / reading / 2f64.sqrt(),
+        offset: Vector3::zeros(),
+        rms_without_offset: rms,
     }
 }
 
