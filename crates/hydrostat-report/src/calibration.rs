@@ -5,7 +5,7 @@ use crate::interval::interval_svg;
 use crate::overlay::AXES;
 use crate::page::{Provenance, computed, error_mm, render, svg, with_unit};
 use crate::residuals::residual_svgs;
-use crate::text::{decimals_of, fixed, short};
+use crate::text::{decimals_of, escape, fixed, short};
 use hydrostat::calibrate::{Calibration, Estimate, Loss, Problem, in_common};
 use hydrostat::verify::{Experiment, Summary};
 use minijinja::{Value, context};
@@ -48,7 +48,7 @@ fn section(problem: &Problem, calibration: &Calibration) -> Value {
         pairs => if names.len() > MOST_IN_GRID { pairs(&names, calibration) } else { Vec::new() },
         verdict => calibration.verdict.clone(),
         warnings => calibration.warnings.clone(),
-        row_heads,
+        row_heads => row_heads.iter().map(|head| breakable(head, '_')).collect::<Vec<_>>(),
         rows,
         largest => (calibration.rows.len() > MOST_ROWS).then_some(LARGEST),
         of => calibration.rows.len(),
@@ -93,8 +93,8 @@ fn parameter(problem: &Problem, estimate: &Estimate) -> Value {
         notes.push(format!("bounds {}", between(&low, &high)));
     }
     context! {
-        name => parameter.name.as_str(),
-        notes,
+        name => breakable(&parameter.name, '.'),
+        notes => notes.iter().map(|note| breakable(note, '.')).collect::<Vec<_>>(),
         before => pretty(&parameter.show(*before, None)),
         value => show(*value),
         error => standard_error.map_or_else(|| "not determined".to_owned(), show),
@@ -108,6 +108,11 @@ fn listed(places: &[String]) -> String {
         None => places.join(", "),
         Some(more) => format!("{} and {} more", places[..MOST_PATHS].join(", "), more + 1),
     }
+}
+
+/// A long name that may break behind a sign, and is copied without the break.
+fn breakable(name: &str, sign: char) -> Value {
+    Value::from_safe_string(escape(name).replace(sign, &format!("{sign}<wbr/>")))
 }
 
 /// `54.12 to 55.10 GPa`: one unit for both.
@@ -166,8 +171,6 @@ fn rows(problem: &Problem, calibration: &Calibration) -> (Vec<String>, Vec<Vec<S
     heads.extend(several.then(|| "at [mm]".to_owned()));
     heads.extend(axes.iter().map(|&axis| format!("{} off [mm]", AXES[axis])));
     heads.extend(["error [mm]".to_owned(), "before [mm]".to_owned()]);
-    // long names of columns break behind their underscores
-    heads.iter_mut().for_each(|head| *head = head.replace('_', "_\u{200b}"));
     let value =
         |inputs: &[f64], k: usize| inputs.get(k).copied().unwrap_or(f64::NAN) / experiment.inputs[k].unit.1;
     let digits_of = |k: usize| decimals_of(calibration.rows.iter().map(move |row| value(&row.inputs, k)));

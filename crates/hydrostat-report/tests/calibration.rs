@@ -60,8 +60,9 @@ fn two_calibrations_are_one_page() {
     let done = [gray(&["youngs_modulus"]), gray(&["youngs_modulus", "length"])];
     let html = page(&done);
     check(&html);
+    let shown = html.replace("<wbr/>", "");
     for words in ["54.61 GPa", "54.12 to 55.10 GPa", "390.27 to 392.44 mm", "section.rod.length", "−2.42"] {
-        assert!(html.contains(words), "{words}");
+        assert!(shown.contains(words), "{words}");
     }
     assert!(html.contains(&in_common(&[&done[0].1, &done[1].1]).unwrap()));
     assert!(!page(&done[..1]).contains("Together"));
