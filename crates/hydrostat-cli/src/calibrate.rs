@@ -143,6 +143,12 @@ fn refuse_replacing(page: &Path, read: &[PathBuf], saved: Option<&Path>) -> Resu
     let words = std::iter::once("the bench").chain(std::iter::repeat("a file that the bench names"));
     let mut inputs: Vec<_> = words.zip(read.iter().map(|file| Some(file.as_path()))).collect();
     inputs.push(("the robot that --write saves", saved));
+    let full = |path: &Path| std::path::absolute(path).ok();
+    if saved.is_some_and(|saved| full(saved) == full(page)) {
+        return Err(
+            Error::new("--report would replace the robot that --write saves").hint("name another file")
+        );
+    }
     files::refuse_replacing("--report", page, &inputs)
 }
 

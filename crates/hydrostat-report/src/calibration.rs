@@ -5,7 +5,7 @@ use crate::interval::interval_svg;
 use crate::overlay::AXES;
 use crate::page::{Provenance, computed, error_mm, render, svg, with_unit};
 use crate::residuals::residual_svgs;
-use crate::text::{decimals_of, fixed, short};
+use crate::text::{decimals_of, escape, fixed, short};
 use hydrostat::calibrate::{Calibration, Estimate, Loss, Problem, in_common};
 use hydrostat::verify::{Experiment, Summary};
 use minijinja::{Value, context};
@@ -48,7 +48,7 @@ fn section(problem: &Problem, calibration: &Calibration) -> Value {
         pairs => if names.len() > MOST_IN_GRID { pairs(&names, calibration) } else { Vec::new() },
         verdict => calibration.verdict.clone(),
         warnings => calibration.warnings.clone(),
-        row_heads,
+        row_heads => row_heads.iter().map(|head| breakable(head, '_')).collect::<Vec<_>>(),
         rows,
         largest => (calibration.rows.len() > MOST_ROWS).then_some(LARGEST),
         of => calibration.rows.len(),
@@ -90,15 +90,15 @@ fn parameter(problem: &Problem, estimate: &Estimate) -> Value {
     }
     if parameter.bounded {
         let [low, high] = parameter.bounds.map(|bound| pretty(&parameter.show(bound, None)));
-        notes.push(format!("kept between {low} and {high}"));
+        notes.push(format!("bounds {}", between(&low, &high)));
     }
     context! {
-        name => parameter.name.as_str(),
-        notes => notes.join("; "),
+        name => breakable(&parameter.name, '.'),
+        notes => notes.iter().map(|note| breakable(note, '.')).collect::<Vec<_>>(),
         before => pretty(&parameter.show(*before, None)),
         value => show(*value),
         error => standard_error.map_or_else(|| "not determined".to_owned(), show),
-        interval => interval_95.map_or_else(|| "–".to_owned(), |[low, high]| format!("{} to {}", show(low), show(high))),
+        interval => interval_95.map_or_else(|| "–".to_owned(), |[low, high]| between(&show(low), &show(high))),
         drawing => svg(interval_svg(estimate)),
     }
 }
@@ -108,6 +108,17 @@ fn listed(places: &[String]) -> String {
         None => places.join(", "),
         Some(more) => format!("{} and {} more", places[..MOST_PATHS].join(", "), more + 1),
     }
+}
+
+/// A long name that may break behind a sign, and is copied without the break.
+fn breakable(name: &str, sign: char) -> Value {
+    Value::from_safe_string(escape(name).replace(sign, &format!("{sign}<wbr/>")))
+}
+
+/// `54.12 to 55.10 GPa`: one unit for both.
+fn between(low: &str, high: &str) -> String {
+    let low = low.split_once(' ').map_or(low, |(number, _)| number);
+    format!("{low} to {high}")
 }
 
 /// A true minus sign and raised powers.
@@ -160,6 +171,10 @@ fn rows(problem: &Problem, calibration: &Calibration) -> (Vec<String>, Vec<Vec<S
     heads.extend(several.then(|| "at [mm]".to_owned()));
     heads.extend(axes.iter().map(|&axis| format!("{} off [mm]", AXES[axis])));
     heads.extend(["error [mm]".to_owned(), "before [mm]".to_owned()]);
+    let value =
+        |inputs: &[f64], k: usize| inputs.get(k).copied().unwrap_or(f64::NAN) / experiment.inputs[k].unit.1;
+    let digits_of = |k: usize| decimals_of(calibration.rows.iter().map(move |row| value(&row.inputs, k)));
+    let digits: Vec<usize> = (0..experiment.inputs.len()).map(digits_of).collect();
 
     let mut numbers: Vec<usize> = (0..calibration.rows.len()).collect();
     if numbers.len() > MOST_ROWS {
@@ -173,10 +188,7 @@ fn rows(problem: &Problem, calibration: &Calibration) -> (Vec<String>, Vec<Vec<S
             row.before.iter().zip(&row.after).zip(&experiment.points).enumerate()
         {
             let mut cells = vec![(number + 1).to_string()];
-            cells.extend(experiment.inputs.iter().enumerate().map(|(k, input)| {
-                let value = |inputs: &[f64]| inputs.get(k).copied().unwrap_or(f64::NAN) / input.unit.1;
-                fixed(value(&row.inputs), decimals_of(calibration.rows.iter().map(|row| value(&row.inputs))))
-            }));
+            cells.extend(digits.iter().enumerate().map(|(k, &digits)| fixed(value(&row.inputs, k), digits)));
             if j > 0 {
                 cells.iter_mut().for_each(String::clear);
             }

@@ -4,7 +4,7 @@ use crate::draw::{ACCENT, ACCENT_LIGHT, Canvas, GRID_HEAVY, INK, Pen, Rect};
 use crate::panel::range;
 use hydrostat::calibrate::Estimate;
 
-const SIZE: [f64; 2] = [176.0, 20.0];
+const SIZE: [f64; 2] = [130.0, 20.0];
 const MARGIN: f64 = 8.0;
 
 /// One row for a table; the scale is the estimate's own.

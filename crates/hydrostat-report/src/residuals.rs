@@ -42,7 +42,7 @@ fn residual_svg(experiment: &Experiment, calibration: &Calibration, axis: usize)
     for (name, series, reach, colour) in
         [("before", &before, scales[0], SECOND), ("calibrated", &after, scales[1], ACCENT)]
     {
-        let step = nice_step(if reach > 0.0 { reach / 3.0 } else { 0.2 });
+        let step = nice_step(if reach > 0.0 { reach / 4.0 } else { 0.2 });
         let reach = (reach / step).ceil().max(1.0) * step;
         let frame = Rect::new(left, 36.0, left + SIZE[0], 36.0 + SIZE[1]);
         let panel = Panel { frame, x: range(&xs), y: [-reach, reach] };
@@ -68,7 +68,8 @@ fn field(
     panel.band(page, [-reading, reading], BAND);
     let step_x = nice_step(((panel.x[1] - panel.x[0]) / 8.0).max(if by_number { 1.0 } else { 0.0 }));
     panel.grid(page, [step_x, step]);
-    page.hairlines(&[(panel.at([panel.x[0], 0.0]), panel.at([panel.x[1], 0.0]))], Pen::new(GRID_HEAVY, 1.2));
+    let zero = panel.at([panel.x[0], 0.0])[1];
+    page.hairlines(&[([panel.frame.x0, zero], [panel.frame.x1, zero])], Pen::new(GRID_HEAVY, 1.2));
     for points in series {
         let points: Vec<P> = points.iter().map(|p| panel.at(*p)).collect();
         if few {

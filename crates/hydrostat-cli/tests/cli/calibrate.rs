@@ -89,3 +89,40 @@ fn refusals() {
     fs::write(folder.path("bad.toml"), bad).unwrap();
     folder.run("calibrate bad.toml").refuses(&["bad.toml:", "there is no parameter \"weight\""]);
 }
+
+#[test]
+fn a_report_is_one_page_of_all_calibrations() {
+    let folder = Folder::new("calibrate_report");
+    let text = folder.run("calibrate --report out/gray").succeeds();
+    let page = fs::read_to_string(folder.path("out/gray/index.html")).unwrap();
+    for words in [
+        "Free: youngs_modulus<",
+        "Free: youngs_modulus, length<",
+        "54.12 to 55.10 GPa",
+        "391.35 mm",
+        "1 to 2 mm per coordinate",
+        "hydrostat calibrate --report",
+        "energy method",
+        "built-in bench",
+    ] {
+        assert!(page.contains(words), "{words}");
+    }
+    for outside in ["<script", "src=\"http", "href=\"http", "url(http", "@import"] {
+        assert!(!page.contains(outside), "the page loads something: {outside}");
+    }
+    assert_eq!(folder.run("calibrate").succeeds(), text, "a page changes what is printed");
+}
+
+/// A fit that fails, or a page in the place of another output, leaves nothing behind.
+#[test]
+fn a_report_is_written_after_the_fit_or_not_at_all() {
+    let folder = bench("calibrate_report_refused");
+    let before = folder.contents();
+    folder.run("calibrate try.toml --free shear_modulus --report out").refuses(&["no influence"]);
+    let both = "calibrate try.toml --free youngs_modulus --write out/index.html --report out";
+    folder.run(both).refuses(&["--report would replace the robot that --write saves"]);
+    assert!(folder.contents() == before && !folder.path("out").exists());
+    folder.run("calibrate try.toml --free youngs_modulus --report out").succeeds();
+    let page = fs::read_to_string(folder.path("out/index.html")).unwrap();
+    assert!(page.contains("try.toml, try_rod.toml, try.csv"), "the files that were read");
+}

@@ -78,6 +78,9 @@ fn no_output_replaces_an_input() {
     std::fs::rename(folder.path("bench.svg"), folder.path("index.html")).unwrap();
     let before = folder.contents();
     folder.run("verify index.html --report .").refuses(&["--report would replace the bench"]);
+    folder
+        .run("calibrate index.html --free youngs_modulus --report .")
+        .refuses(&["--report would replace the bench"]);
     assert!(folder.contents() == before);
     // an older output is replaced
     folder.run("solve rod.svg --batch c.csv --out rows.csv").succeeds();
@@ -115,6 +118,8 @@ fn a_report_folder_that_is_a_file() {
     let folder = Folder::with("report_refused", "out", "mine");
     folder.run("verify --report out").refuses(&["out", "exists and is not a folder"]);
     folder.run("verify --report out/inner").refuses(&["out/inner"]);
+    folder.run("calibrate --report out").refuses(&["out", "exists and is not a folder"]);
+    folder.run("calibrate --report out/inner").refuses(&["out/inner"]);
     assert_eq!(folder.files(), ["out"]);
     assert_eq!(std::fs::read_to_string(folder.path("out")).unwrap(), "mine");
 }
