@@ -85,7 +85,7 @@ pub struct Report {
 }
 
 /// How an equilibrium answers one small change, per unit of that change.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Derivative {
     /// At each observed place, in their order.
     pub poses: Vec<PoseDerivative>,

@@ -52,6 +52,23 @@ const ONE: &str = r#"
     [actuation]
     tension = { a = "5 N" }"#;
 
+/// Without loads the bend of the changed tension is the whole answer, however far: what is left for Newton's method is to see it.
+#[test]
+fn a_far_tension_is_near_without_loads() {
+    let (mut robot, mut workspace) = (niti(ONE), Workspace::default());
+    let settings = Settings { eigenvalue: false, ..by(Method::Energy) };
+    solve_in(&robot, &settings, &mut workspace).expect("has an answer");
+    for tension in [2.0, 4.5, 0.5] {
+        robot.actuation[0] = Command::Tension { tension, motion: Motion::Pulled };
+        let near = solve_near(&robot, &settings, &mut workspace).expect("has an answer");
+        assert!(near.report.iterations <= 2, "{tension} N: {} iterations", near.report.iterations);
+        let inertia = std::f64::consts::PI / 64.0 * 1.56e-3_f64.powi(4);
+        let angle = tension * 8e-3 / (54e9 * inertia) * 0.4;
+        let tip = near.tip.rotation.matrix();
+        assert!((tip[(0, 2)] - angle.sin()).abs() < DIGITS, "{tension} N: {} {angle}", tip[(0, 2)]);
+    }
+}
+
 /// E I kappa = tau r, v3 = 1 - tau / EA.
 #[test]
 fn straight_tendon_bends_an_arc() {

@@ -40,7 +40,13 @@ pub(in crate::statics) fn derivatives(
         Error::new("the equilibrium is about to snap or buckle, and has no derivatives there")
             .hint("change the loads or commands a little")
     })?;
-    inputs.iter().map(|input| solution.push(input).and_then(|push| solution.respond(&border, push))).collect()
+    // memory that the inputs share
+    let (mut push, mut answer) = (Push::default(), Answer::default());
+    let respond = |input| {
+        solution.push(input, &mut push)?;
+        solution.respond(&border, &mut push, &mut answer)
+    };
+    inputs.iter().map(respond).collect()
 }
 
 /// The last solution with the factors of its Hessian.
@@ -67,6 +73,7 @@ struct Border {
 }
 
 /// What a small change does while the shape and the tensions of the taut tendons stay.
+#[derive(Default)]
 struct Push {
     /// Minus the change of the gradient.
     right: Column,
@@ -76,12 +83,15 @@ struct Push {
 }
 
 /// How shape and tensions answer a push.
+#[derive(Default)]
 struct Answer {
     step: Step,
     /// Of the taut tendons.
     tensions: Vec<f64>,
     /// Of the tendons by friction alone; empty without.
     stretch: Vec<f64>,
+    /// How the cuts move, world frame.
+    cuts: Vec<Vector3<f64>>,
 }
 
 /// Turns of shape and friction, and the relative change that ends them.
@@ -97,14 +107,17 @@ impl Solution<'_> {
         let Drive { held, taut, .. } = self.drive;
         let taut: Vec<usize> =
             held.iter().zip(taut).filter(|(_, taut)| **taut).map(|(held, _)| *held).collect();
-        let lengths: Vec<Folded> = (0..count).map(|tendon| self.folded(&self.form(tendon, false))).collect();
-        let responses: Vec<Step> = taut
-            .iter()
-            .map(|&tendon| {
-                let pull = self.form(tendon, true);
-                self.solve(&pull)
-            })
-            .collect();
+        let mut form = Column::default();
+        let mut lengths = vec![Folded::default(); count];
+        for (tendon, folded) in lengths.iter_mut().enumerate() {
+            tendons::length_form(self.mesh, self.sweep, tendon, false, &mut form);
+            form.fold(self.sweep, self.mesh, self.tables, folded);
+        }
+        let mut responses = vec![Step::default(); taut.len()];
+        for (&tendon, response) in taut.iter().zip(&mut responses) {
+            tendons::length_form(self.mesh, self.sweep, tendon, true, &mut form);
+            self.sweep.solve(self.mesh, self.tables, &form, response);
+        }
         let compliance = DMatrix::from_fn(taut.len(), taut.len(), |i, j| {
             let stretch = if i == j { self.drive.compliance(self.robot, taut[i]) } else { 0.0 };
             lengths[taut[i]].dot(&responses[j]) + stretch
@@ -118,58 +131,41 @@ impl Solution<'_> {
         })
     }
 
-    fn form(&self, tendon: usize, shares: bool) -> Column {
-        let mut column = Column::default();
-        tendons::length_form(self.mesh, self.sweep, tendon, shares, &mut column);
-        column
-    }
-
-    fn solve(&mut self, right: &Column) -> Step {
-        let mut step = Step::default();
-        self.sweep.solve(self.mesh, self.tables, right, &mut step);
-        step
-    }
-
-    fn folded(&self, form: &Column) -> Folded {
-        let mut folded = Folded::default();
-        form.fold(self.sweep, self.mesh, self.tables, &mut folded);
-        folded
-    }
-
     /// What an input does at a fixed shape.
-    fn push(&self, input: &Input) -> Result<Push, Error> {
-        let mut right = Column::default();
-        right.clear(self.mesh);
-        let mut push = Push {
-            right,
-            excess: vec![0.0; self.robot.tendons.len()],
-            fixed: Derivative {
-                poses: vec![PoseDerivative::default(); self.places.len()],
-                tendons: vec![TendonDerivative::default(); self.robot.tendons.len()],
-            },
+    fn push(&self, input: &Input, push: &mut Push) -> Result<(), Error> {
+        let count = self.robot.tendons.len();
+        push.excess.clear();
+        push.excess.resize(count, 0.0);
+        push.fixed = Derivative {
+            poses: vec![PoseDerivative::default(); self.places.len()],
+            tendons: vec![TendonDerivative::default(); count],
         };
+        let right = &mut push.right;
         match *input {
             Input::Command(tendon) => match self.robot.actuation[tendon] {
                 Command::Tension { .. } => {
-                    push.right = self.form(tendon, true);
-                    push.right.negate();
+                    tendons::length_form(self.mesh, self.sweep, tendon, true, right);
+                    right.negate();
                     let displacement = self.drive.compliance(self.robot, tendon);
                     push.fixed.tendons[tendon] = TendonDerivative { tension: 1.0, displacement, length: 0.0 };
                 }
-                Command::Displacement { .. } => push.excess[tendon] = 1.0,
+                Command::Displacement { .. } => {
+                    right.clear(self.mesh);
+                    push.excess[tendon] = 1.0;
+                }
             },
-            Input::TipWrench { force, moment } => push.right = self.tip_work(&force, &moment),
+            Input::TipWrench { force, moment } => self.tip_work(&force, &moment, right),
             Input::Parameter { behind, ahead, step } => {
+                right.clear(self.mesh);
                 let [behind, ahead] = [self.state_of(behind)?, self.state_of(ahead)?];
                 push.difference(&behind, &ahead, step);
             }
         }
-        Ok(push)
+        Ok(())
     }
 
     /// Work of a dead wrench at the tip, as a linear form: F . dp + M . w.
-    fn tip_work(&self, force: &Vector3<f64>, moment: &Vector3<f64>) -> Column {
-        let mut column = Column::default();
+    fn tip_work(&self, force: &Vector3<f64>, moment: &Vector3<f64>, column: &mut Column) {
         column.clear(self.mesh);
         for ((data, shape), form) in self.mesh.data.iter().zip(&self.sweep.shapes).zip(&mut column.nodes) {
             let force = data.weight * shape.rotation.tr_mul(force);
@@ -180,40 +176,45 @@ impl Solution<'_> {
         }
         let tip = self.mesh.panels.len();
         column.cuts[tip] = self.mesh.rotations[tip].tr_mul(moment);
-        column
     }
 
     /// The change of everything that is seen.
-    fn respond(&mut self, border: &Border, push: Push) -> Result<Derivative, Error> {
-        let rubs = self.robot.tendons.iter().any(|tendon| tendon.friction > 0.0);
-        let Answer { step, tensions, stretch } =
-            if rubs { self.rub(border, &push)? } else { self.hold(border, &push.right, &push.excess) };
-        let mut derivative = push.fixed;
-        for (&tendon, tension) in border.taut.iter().zip(&tensions) {
+    fn respond(
+        &mut self,
+        border: &Border,
+        push: &mut Push,
+        answer: &mut Answer,
+    ) -> Result<Derivative, Error> {
+        if self.robot.tendons.iter().any(|tendon| tendon.friction > 0.0) {
+            *answer = self.rub(border, push)?;
+        } else {
+            self.hold(border, &push.right, &push.excess, answer);
+        }
+        let Answer { step, tensions, stretch, cuts } = answer;
+        let mut derivative = std::mem::take(&mut push.fixed);
+        for (&tendon, tension) in border.taut.iter().zip(&*tensions) {
             derivative.tendons[tendon].tension += tension;
             derivative.tendons[tendon].displacement += self.drive.compliance(self.robot, tendon) * tension;
         }
-        for (tendon, stretch) in derivative.tendons.iter_mut().zip(&stretch) {
+        for (tendon, stretch) in derivative.tendons.iter_mut().zip(&*stretch) {
             tendon.displacement += stretch;
         }
         for (tendon, form) in derivative.tendons.iter_mut().zip(&border.lengths) {
-            let length = form.dot(&step);
+            let length = form.dot(step);
             tendon.length += length;
             tendon.displacement -= length;
         }
-        for (pose, moved) in derivative.poses.iter_mut().zip(self.poses_moved(&step)) {
-            pose.position += moved.position;
-            pose.rotation += moved.rotation;
-        }
+        self.move_poses(step, cuts, &mut derivative.poses);
         Ok(derivative)
     }
 
     /// Shape and tensions that bring gradient and excess back to zero, theory (39).
-    fn hold(&mut self, border: &Border, right: &Column, excess: &[f64]) -> Answer {
-        let mut step = self.solve(right);
-        let mut tensions = Vec::new();
+    fn hold(&mut self, border: &Border, right: &Column, excess: &[f64], answer: &mut Answer) {
+        let Answer { step, tensions, .. } = answer;
+        self.sweep.solve(self.mesh, self.tables, right, step);
+        tensions.clear();
         if !border.taut.is_empty() {
-            let excess = |&tendon: &usize| border.lengths[tendon].dot(&step) + excess[tendon];
+            let excess = |&tendon: &usize| border.lengths[tendon].dot(step) + excess[tendon];
             let mut solved = DVector::from_vec(border.taut.iter().map(excess).collect());
             border.compliance.solve_mut(&mut solved);
             tensions.extend(solved.iter());
@@ -221,7 +222,6 @@ impl Solution<'_> {
         for (tension, response) in tensions.iter().zip(&border.responses) {
             step.add(-tension, response);
         }
-        Answer { step, tensions, stretch: Vec::new() }
     }
 
     /// With friction the tensions along the tendons follow the shape, and the shape follows them: in turns, as the solution was found,
@@ -235,7 +235,8 @@ impl Solution<'_> {
             let mut right = push.right.clone();
             add(&mut right, -1.0, &pull);
             let excess: Vec<f64> = push.excess.iter().zip(&stretch).map(|(a, b)| a - b).collect();
-            let answer = self.hold(border, &right, &excess);
+            let mut answer = Answer::default();
+            self.hold(border, &right, &excess, &mut answer);
             let mut way = answer.step.clone();
             if let Some(last) = &last {
                 way.add(-1.0, last);
@@ -288,37 +289,38 @@ impl Solution<'_> {
         (pull, stretch)
     }
 
-    /// Change of the poses at the places by a variation of the shape, theory (40).
-    fn poses_moved(&self, step: &Step) -> Vec<PoseDerivative> {
-        let mut cuts = vec![Vector3::zeros(); self.mesh.panels.len() + 1];
+    /// Adds the change of the poses at the places by a variation of the shape, theory (40); `cuts` for those of the cuts.
+    fn move_poses(&self, step: &Step, cuts: &mut Vec<Vector3<f64>>, poses: &mut [PoseDerivative]) {
+        cuts.clear();
+        let mut cut = Vector3::zeros();
+        cuts.push(cut);
         for (k, panel) in self.mesh.panels.iter().enumerate() {
-            let mut moved = cuts[k];
             for node in panel.nodes.clone() {
                 let shape = &self.sweep.shapes[node];
                 let turned = shape.turned(&step.cuts[k], &step.turn[node]);
-                moved +=
+                cut +=
                     self.mesh.data[node].weight * (shape.rotation * (step.v[node] + turned.cross(&shape.v)));
             }
-            cuts[k + 1] = moved;
+            cuts.push(cut);
         }
-        let at = |s: &f64| {
+        for (s, pose) in self.places.iter().zip(poses) {
             let k = self.mesh.panels.partition_point(|panel| panel.from < *s).saturating_sub(1);
             let panel = &self.mesh.panels[k];
             let t = (s - panel.from) / panel.length;
             if t >= 1.0 - ROUNDING {
-                let rotation = self.mesh.rotations[k + 1] * step.cuts[k + 1];
-                return PoseDerivative { position: cuts[k + 1], rotation };
+                pose.position += cuts[k + 1];
+                pose.rotation += self.mesh.rotations[k + 1] * step.cuts[k + 1];
+                continue;
             }
             let table = self.tables.of(panel.nodes.len());
-            let mut position = cuts[k];
+            pose.position += cuts[k];
             for (point, weight) in table.points.iter().zip(&table.weights) {
                 let (rotation, turned, v, dv) = self.within(step, k, t * point);
-                position += (t * weight * panel.length) * (rotation * (dv + turned.cross(&v)));
+                pose.position += (t * weight * panel.length) * (rotation * (dv + turned.cross(&v)));
             }
             let (rotation, turned, ..) = self.within(step, k, t);
-            PoseDerivative { position, rotation: rotation * turned }
-        };
-        self.places.iter().map(at).collect()
+            pose.rotation += rotation * turned;
+        }
     }
 
     /// At a fraction of a panel: rotation, its change (body frame), v, its change.

@@ -6,7 +6,7 @@ use super::node::{self, Acting, Linearised, Local};
 use super::sweep::{Column, End, PanelFront, Problem, STATE, Sweep};
 use crate::geometry::hat;
 use crate::numeric::blocks::{Front, symmetric};
-use crate::numeric::collocation::Collocation;
+use crate::numeric::collocation::{Collocation, MOST};
 use crate::numeric::larger;
 use nalgebra::{Matrix3, Vector3};
 use std::ops::{Index, IndexMut};
@@ -191,15 +191,17 @@ fn turns_residual(
     forms: &[node::Form],
 ) -> f64 {
     let (points, through_end) = (forms.len(), end.jacobian.tr_mul(slope));
-    let mut largest = 0.0;
-    for l in 0..points {
-        let mut sum = table.end[l] * through_end + forms[l].turn;
-        for (local, form) in forms.iter().enumerate() {
-            sum += (table.derivative[local * points + l] / panel.length) * form.rate;
-        }
-        largest = larger(largest, sum.amax());
+    let mut sums = [Vector3::zeros(); MOST];
+    for ((sum, end), form) in sums.iter_mut().zip(&table.end).zip(forms) {
+        *sum = *end * through_end + form.turn;
     }
-    largest
+    for (form, derivatives) in forms.iter().zip(table.derivative.chunks_exact(points)) {
+        let rate = form.rate / panel.length;
+        for (sum, d) in sums.iter_mut().zip(derivatives) {
+            *sum += *d * rate;
+        }
+    }
+    sums[..points].iter().map(Vector3::amax).fold(0.0, larger)
 }
 
 /// Gradient and Hessian of the point loads at the end of panel `k` with respect to the rotation there.

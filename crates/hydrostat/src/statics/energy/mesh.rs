@@ -1,6 +1,6 @@
 //! Panels of the backbone with their Gauss nodes: what does not depend on the shape, and the shape itself.
 
-use super::sweep::Sweep;
+use super::sweep::{Sweep, weighted};
 use crate::geometry::{RotationVector, rotation_vector};
 use crate::model::{Robot, Routing};
 use crate::numeric::collocation::{Collocation, FEWEST, MOST, Row};
@@ -10,6 +10,7 @@ use crate::statics::chain::Chain;
 use crate::statics::section::Pull;
 use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
+use std::sync::LazyLock;
 
 /// A piece of a span with its own polynomial.
 #[derive(Clone, Debug)]
@@ -129,12 +130,14 @@ impl Clone for Mesh {
 }
 
 /// Tables by number of points.
-#[derive(Clone, Debug)]
-pub(super) struct Tables(Vec<Collocation>);
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tables(&'static [Collocation]);
+
+static TABLES: LazyLock<Vec<Collocation>> = LazyLock::new(|| (FEWEST..=MOST).map(Collocation::new).collect());
 
 impl Default for Tables {
     fn default() -> Self {
-        Tables((FEWEST..=MOST).map(Collocation::new).collect())
+        Tables(&TABLES)
     }
 }
 
@@ -272,17 +275,9 @@ impl Mesh {
         self.positions.resize(self.panels.len() + 1, Vector3::zeros());
     }
 
-    /// d(turn)/ds at a node, from the polynomial of its panel.
-    pub(super) fn turn_rate(&self, panel: &Panel, table: &Collocation, local: usize) -> Vector3<f64> {
-        let points = panel.nodes.len();
-        let row = &table.derivative[local * points..(local + 1) * points];
-        let turns = &self.turn[panel.nodes.clone()];
-        row.iter().zip(turns).map(|(d, turn)| *d * turn).sum::<Vector3<f64>>() / panel.length
-    }
-
     /// Turn from the start of the panel to its end.
     pub(super) fn end_turn(&self, panel: &Panel, table: &Collocation) -> Vector3<f64> {
-        table.end.iter().zip(&self.turn[panel.nodes.clone()]).map(|(e, turn)| *e * turn).sum()
+        weighted(&table.end, &self.turn[panel.nodes.clone()])
     }
 }
 
@@ -432,9 +427,7 @@ impl Mesh {
         let of = |panel: &Panel| {
             let table = tables.of(panel.nodes.len());
             let turns = &self.turn[panel.nodes.clone()];
-            let coefficient =
-                |row: &[f64]| -> Vector3<f64> { row.iter().zip(turns).map(|(c, turn)| *c * turn).sum() };
-            let [top, next] = [&table.top, &table.below_top].map(|row| coefficient(row).norm_squared());
+            let [top, next] = [&table.top, &table.below_top].map(|row| weighted(row, turns).norm_squared());
             larger(top, next).sqrt() * panel.length
         };
         self.panels.iter().map(of).fold(0.0, larger)

@@ -51,7 +51,7 @@ const ROUNDING_RESIDUAL: f64 = 1e-8;
 /// Curvatures below this part of the largest are rounding.
 const SMALLEST_CURVATURE: f64 = 1e-12;
 /// How far steps with the same factors may lead in all, rad, and by how much each must be smaller than the one before.
-const NEAR: f64 = 0.05;
+pub(super) const NEAR: f64 = 0.05;
 const SHRINKING: f64 = 0.1;
 /// How much slower than the last step with the same factors the next may be.
 const SLOWER: f64 = 4.0;
@@ -96,16 +96,23 @@ impl Equations<'_> {
     /// Linearises at the mesh's shape and solves for the step; `shift` makes the elastic part of the Hessian larger.
     pub(super) fn linearise(&self, memory: &mut Memory, mesh: &mut Mesh, shift: f64) -> Linearised {
         let residual = self.evaluate(memory, mesh);
+        self.factor_and_step(memory, mesh, residual, shift)
+    }
+
+    /// As [`Equations::linearise`] at the shape that was evaluated last.
+    fn factor_and_step(&self, memory: &mut Memory, mesh: &Mesh, residual: f64, shift: f64) -> Linearised {
         let negative = memory.sweep.factor(&self.problem(&memory.drive.tensions), mesh, shift);
         self.step(memory, mesh, residual, negative, false)
     }
 
-    /// Places the shape and finds the gradient there. Returns its size.
+    /// Places the shape and finds the gradient there, kept with its sign changed. Returns its size.
     fn evaluate(&self, memory: &mut Memory, mesh: &mut Mesh) -> f64 {
         let Memory { sweep, linear, drive } = memory;
         drive.apply(self.robot, self.factor);
         self.place(sweep, drive, mesh);
-        sweep.gradient(&self.problem(&drive.tensions), mesh, &mut linear.gradient)
+        let residual = sweep.gradient(&self.problem(&drive.tensions), mesh, &mut linear.gradient);
+        linear.gradient.negate();
+        residual
     }
 
     fn place(&self, sweep: &mut Sweep, drive: &mut Drive, mesh: &mut Mesh) {
@@ -125,13 +132,6 @@ impl Equations<'_> {
         residual
     }
 
-    /// As [`Equations::linearise`] with the factors at hand.
-    fn reuse(&self, memory: &mut Memory, mesh: &mut Mesh) -> Linearised {
-        let residual = self.evaluate(memory, mesh);
-        let negative = memory.sweep.factored;
-        self.step(memory, mesh, residual, negative, true)
-    }
-
     /// Newton's step by the factors at hand.
     fn step(
         &self,
@@ -142,7 +142,6 @@ impl Equations<'_> {
         reused: bool,
     ) -> Linearised {
         let Memory { sweep, linear, drive } = memory;
-        linear.gradient.negate();
         sweep.solve(mesh, self.tables, &linear.gradient, &mut linear.step);
         if !(reused && linear.border.nrows() == drive.held.len()) {
             self.border(sweep, linear, drive, mesh);
@@ -250,17 +249,23 @@ impl Equations<'_> {
     ) -> Result<Converged, Stuck> {
         let (mut last, mut last_residual) = (f64::INFINITY, f64::INFINITY);
         let mut first_contraction: Option<f64> = None;
-        let mut made = false;
+        let (mut made, mut evaluated) = (false, None);
         for _ in 0..MAX_ITERATIONS {
             let reused = reuse && memory.sweep.holds_factors(mesh);
-            let now = if reused { self.reuse(memory, mesh) } else { self.linearise(memory, mesh, 0.0) };
+            let gradient = evaluated.take().unwrap_or_else(|| self.evaluate(memory, mesh));
+            let now = if reused {
+                let negative = memory.sweep.factored;
+                self.step(memory, mesh, gradient, negative, true)
+            } else {
+                self.factor_and_step(memory, mesh, gradient, 0.0)
+            };
             made |= !reused;
             *iterations += 1;
             let Linearised { correction, residual, .. } = now;
             let contraction = if correction > 0.0 { correction / last } else { 0.0 };
             let near = memory.sweep.moved + correction <= NEAR;
             if reused && !(near && contraction <= SHRINKING) {
-                reuse = false;
+                (reuse, evaluated) = (false, Some(gradient));
                 continue;
             }
             let rounding = correction <= ROUNDING_CORRECTION && contraction > CONTRACTION;

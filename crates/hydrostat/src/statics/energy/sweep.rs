@@ -176,7 +176,13 @@ impl Folded {
     /// The form applied to a variation.
     pub(super) fn dot(&self, step: &Step) -> f64 {
         let pairs = [(&self.turn, &step.turn), (&self.v, &step.v), (&self.cuts, &step.cuts)];
-        pairs.iter().flat_map(|(form, step)| form.iter().zip(*step)).map(|(form, step)| form.dot(step)).sum()
+        let mut sum = 0.0;
+        for (form, step) in pairs {
+            for (form, step) in form.iter().zip(step) {
+                sum += form.dot(step);
+            }
+        }
+        sum
     }
 }
 
@@ -203,10 +209,23 @@ impl Step {
 }
 
 /// d(turn)/ds at a node by the turns of its panel.
-fn rate_of(panel: &Panel, table: &Collocation, local: usize, turns: &[Vector3<f64>]) -> Vector3<f64> {
+pub(super) fn rate_of(
+    panel: &Panel,
+    table: &Collocation,
+    local: usize,
+    turns: &[Vector3<f64>],
+) -> Vector3<f64> {
     let points = turns.len();
-    let row = &table.derivative[local * points..(local + 1) * points];
-    row.iter().zip(turns).map(|(d, turn)| *d * turn).sum::<Vector3<f64>>() / panel.length
+    weighted(&table.derivative[local * points..(local + 1) * points], turns) / panel.length
+}
+
+/// Sum of vectors by their weights.
+pub(super) fn weighted(weights: &[f64], vectors: &[Vector3<f64>]) -> Vector3<f64> {
+    let mut sum = Vector3::zeros();
+    for (weight, vector) in weights.iter().zip(vectors) {
+        sum += *weight * vector;
+    }
+    sum
 }
 
 impl Sweep {
@@ -220,7 +239,7 @@ impl Sweep {
             let table = tables.of(panel.nodes.len());
             let (start, mut position) = (mesh.rotations[k], mesh.positions[k]);
             for (local, node) in panel.nodes.clone().enumerate() {
-                let rate = mesh.turn_rate(panel, table, local);
+                let rate = rate_of(panel, table, local, &mesh.turn[panel.nodes.clone()]);
                 let shape = Shape::new(&start, mesh.turn[node], rate, mesh.v[node]);
                 position += mesh.data[node].weight * (shape.rotation * shape.v);
                 self.shapes.push(shape);

@@ -1,12 +1,12 @@
 //! Lengths of the tendons on a placed shape, and how they change with it.
 
-use super::mesh::{Mesh, Tables};
+use super::mesh::{Mesh, Panel, Tables};
 use super::node;
-use super::sweep::{Column, Sweep};
+use super::sweep::{Column, Sweep, weighted};
 use crate::Robot;
 use crate::geometry::RotationVector;
-use crate::model::{Command, Tendon};
-use crate::numeric::collocation::MOST;
+use crate::model::Command;
+use crate::numeric::collocation::{Collocation, MOST};
 use crate::statics::section::Pull;
 use nalgebra::{Matrix3, Vector3};
 
@@ -18,6 +18,8 @@ const FOLDED: f64 = 1e-3;
 pub(super) struct Drive {
     /// At the base, per tendon.
     pub(super) tensions: Vec<f64>,
+    /// Of the given ones since the last solution.
+    pub(super) changes: Vec<f64>,
     /// Of the paths on the placed shape, and on the unloaded one.
     pub(super) lengths: Vec<f64>,
     pub(super) home: Vec<f64>,
@@ -168,6 +170,37 @@ pub(super) fn length_form(mesh: &Mesh, sweep: &Sweep, tendon: usize, shares: boo
     }
 }
 
+/// Force and moment of the tendons at `s` under the given tensions, all in channels, body frame.
+fn pull_at(
+    robot: &Robot,
+    tensions: &[f64],
+    s: f64,
+    v: &Vector3<f64>,
+    u: &Vector3<f64>,
+) -> (Vector3<f64>, Vector3<f64>) {
+    let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
+    for (tendon, &tension) in robot.tendons.iter().zip(tensions) {
+        let end = robot.tendon_end(tendon);
+        if tension != 0.0 && s < end {
+            let (hole, along) = tendon.path.hole(s / end, end);
+            let pull = tension * Pull { hole, along, tension }.path(v, u).1;
+            force += pull;
+            moment += hole.cross(&pull);
+        }
+    }
+    (force, moment)
+}
+
+/// Turns of a panel's nodes under curvatures: exact for a constant one, which most are nearly.
+fn turns<'a>(
+    panel: &'a Panel,
+    table: &'a Collocation,
+    curvatures: &'a [Vector3<f64>],
+) -> impl Iterator<Item = Vector3<f64>> + 'a {
+    let rows = table.to_point.chunks_exact(panel.nodes.len());
+    rows.map(move |weights| panel.length * weighted(weights, curvatures))
+}
+
 /// Rounds of the tendons' directions and the strain in [`Mesh::bend_by`].
 const ROUNDS: usize = 2;
 
@@ -180,33 +213,43 @@ impl Mesh {
             for ((node, point), curvature) in panel.nodes.clone().zip(&table.points).zip(&mut curvatures) {
                 let data = &self.data[node];
                 let s = panel.from + point * panel.length;
-                let pulls = |(tendon, tension): (&Tendon, &f64)| {
-                    let end = robot.tendon_end(tendon);
-                    (*tension > 0.0 && s < end).then(|| {
-                        let (hole, along) = tendon.path.hole(s / end, end);
-                        Pull { hole, along, tension: *tension }
-                    })
-                };
                 let (mut v, mut u) = (Vector3::z(), data.rest_curvature);
                 for _ in 0..ROUNDS {
-                    let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
-                    for pull in robot.tendons.iter().zip(tensions).filter_map(pulls) {
-                        let of_tendon = pull.tension * pull.path(&v, &u).1;
-                        force += of_tendon;
-                        moment += pull.hole.cross(&of_tendon);
-                    }
+                    let (force, moment) = pull_at(robot, tensions, s, &v, &u);
                     v = Vector3::z() - force.component_div(&data.shear);
                     u = data.rest_curvature - moment.component_div(&data.bend);
                 }
                 (self.v[node], *curvature) = (v, u);
             }
-            // a constant curvature's turn is exact, which most are nearly
-            let points = panel.nodes.len();
-            for (node, weights) in panel.nodes.clone().zip(table.to_point.chunks_exact(points)) {
-                let turn: Vector3<f64> = weights.iter().zip(&curvatures).map(|(weight, u)| *weight * u).sum();
-                self.turn[node] = panel.length * turn;
+            for (turn, of_bend) in
+                self.turn[panel.nodes.clone()].iter_mut().zip(turns(panel, table, &curvatures))
+            {
+                *turn = of_bend;
             }
         }
+    }
+
+    /// Bends every node further by what changes of the tensions would, were there nothing else. Returns a bound of the turn.
+    pub(super) fn bend_further(&mut self, robot: &Robot, changes: &[f64], tables: &Tables) -> f64 {
+        let mut largest = 0.0;
+        for panel in &self.panels {
+            let table = tables.of(panel.nodes.len());
+            let mut curvatures = [Vector3::zeros(); MOST];
+            for ((node, point), curvature) in panel.nodes.clone().zip(&table.points).zip(&mut curvatures) {
+                let data = &self.data[node];
+                let s = panel.from + point * panel.length;
+                let (force, moment) = pull_at(robot, changes, s, &Vector3::z(), &data.rest_curvature);
+                self.v[node] -= force.component_div(&data.shear);
+                *curvature = -moment.component_div(&data.bend);
+                largest += data.weight * curvature.norm();
+            }
+            for (turn, further) in
+                self.turn[panel.nodes.clone()].iter_mut().zip(turns(panel, table, &curvatures))
+            {
+                *turn += further;
+            }
+        }
+        largest
     }
 
     /// From hole to hole across a gap, world frame.

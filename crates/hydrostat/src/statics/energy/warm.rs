@@ -1,9 +1,10 @@
 //! From the last solution to one nearby: on its mesh, with the factors of its Hessian.
 
-use super::newton::{Converged, Equations};
+use super::newton::{Converged, Equations, NEAR};
 use super::search::{Before, Search, Seen};
 use super::tendons::Drive;
 use super::{Energy, Memory};
+use crate::model::Command;
 
 /// Highest coefficients below are rounding.
 const SMALLEST_TAIL: f64 = 1e-13;
@@ -46,15 +47,39 @@ impl Search<'_> {
             let end = self.newton(1.0, target).ok()?;
             return (!self.strayed(&end)).then_some((end, f64::INFINITY));
         }
+        let reuse = self.bend_by_change() <= NEAR;
         let Energy { tables, coarse, memory, .. } = &mut *self.energy;
         let equations = Equations { robot: self.robot, chain: self.chain, tables, factor: 1.0 };
-        let end = equations.newton(memory, coarse, target, true, &mut self.iterations).ok()?;
+        let end = equations.newton(memory, coarse, target, reuse, &mut self.iterations).ok()?;
         if self.strayed(&end) {
             return None;
         }
         let Seen { tail, error_estimate, .. } = self.energy.seen;
         let growth = (self.energy.coarse.tail(&self.energy.tables) / tail.max(SMALLEST_TAIL)).max(1.0);
         Some((end, error_estimate * growth * growth + end.residual.min(target) * self.chain.length))
+    }
+
+    /// Where the tensions have changed by so much that the last factors would not do, bends the shape as this alone would. Returns a
+    /// bound of the turn.
+    fn bend_by_change(&mut self) -> f64 {
+        let Energy { tables, coarse, memory: Memory { sweep, drive, .. }, .. } = &mut *self.energy;
+        let Drive { tensions, changes, .. } = drive;
+        let (robot, mut bending) = (self.robot, 0.0);
+        changes.clear();
+        for ((tendon, command), last) in robot.tendons.iter().zip(&robot.actuation).zip(tensions) {
+            let change = match command {
+                Command::Tension { tension, .. } => tension - *last,
+                Command::Displacement { .. } => 0.0,
+            };
+            changes.push(change);
+            bending += change.abs() * tendon.path.radius.max(tendon.path.tip_radius);
+        }
+        if bending * self.chain.length <= NEAR * self.chain.stiffness {
+            return 0.0;
+        }
+        let turn = coarse.bend_further(robot, changes, tables);
+        sweep.moved += turn;
+        turn
     }
 
     /// Goes back to the mesh before the last refinement, where that was fine enough.
