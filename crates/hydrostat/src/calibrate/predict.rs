@@ -23,12 +23,18 @@ pub(super) struct Trial<'a> {
 
 /// How a parameter moves what is measured.
 enum Way {
-    /// Through the robot: a little behind and ahead of its value, mounted, with what the inputs of every row do there.
-    Robot(Box<[(Robot, Option<Vec<Vec<Acting>>>); 2]>),
+    /// Through the robot: a little behind and ahead of its value.
+    Robot(Box<[Side; 2]>),
     /// Through commands alone: per row, tendons and the change of their displacement per scale.
     Commands(Vec<Vec<(usize, f64)>>),
     /// The points themselves: one offset per point, body frame, per scale.
     Points(Vec<Vector3<f64>>),
+}
+
+/// The mounted robot beside a value, and what the inputs of every row do there if it is not what they do at the value.
+struct Side {
+    mounted: Robot,
+    acting: Option<Vec<Vec<Acting>>>,
 }
 
 /// Points of one row, bench axes, and their derivatives by every parameter, per its scale.
@@ -69,9 +75,12 @@ impl<'a> Trial<'a> {
                 )),
                 Part::MassOffset { .. } => Way::Robot(Box::new([-1.0, 1.0].map(|side| {
                     let beside = beside(side);
-                    (beside.mounted(experiment), Some(beside.acting(experiment)))
+                    Side { mounted: beside.mounted(experiment), acting: Some(beside.acting(experiment)) }
                 }))),
-                _ => Way::Robot(Box::new([-1.0, 1.0].map(|side| (beside(side).mounted(experiment), None)))),
+                _ => Way::Robot(Box::new([-1.0, 1.0].map(|side| {
+                    let mounted = beside(side).mounted(experiment);
+                    Side { mounted, acting: None }
+                }))),
             }
         };
         let ways = (0..parameters.len()).map(way).collect();
@@ -138,7 +147,7 @@ impl<'a> Trial<'a> {
     /// The robots on both sides of a parameter in a row.
     fn beside(&self, row: usize, way: &Way) -> Option<[Robot; 2]> {
         let Way::Robot(sides) = way else { return None };
-        let robot = |(mounted, acting): &(Robot, Option<Vec<Vec<Acting>>>)| {
+        let robot = |Side { mounted, acting }: &Side| {
             self.experiment.robot_in(mounted, &acting.as_ref().unwrap_or(&self.acting)[row])
         };
         Some([robot(&sides[0]), robot(&sides[1])])
