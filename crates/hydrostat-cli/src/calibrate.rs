@@ -63,6 +63,10 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
         LossName::Squares => Loss::Squares,
         LossName::Huber => Loss::Huber,
     });
+    // the flag's path is relative to where the user is, those of the experiment to its file
+    let holdout = args.holdout.as_deref().map(std::path::absolute).transpose();
+    let holdout = holdout.map_err(|error| Error::new(format!("--holdout has no absolute path: {error}")))?;
+    let holdout = holdout.map(|path| path.to_string_lossy().into_owned());
     let flags = |free: &[String]| CalibrationFlags {
         free: free.to_vec(),
         prior: args.prior.clone(),
@@ -70,7 +74,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
         loss,
         starts: args.starts.map(usize::from),
         folds: args.folds.map(usize::from),
-        holdout: args.holdout.as_ref().map(|path| path.to_string_lossy().into_owned()),
+        holdout: holdout.clone(),
     };
     if let Some(path) = args.write.as_deref().filter(|path| path.exists() && !args.force) {
         return Err(Error::new(format!("{} exists already and is left as it is", path.display()))
@@ -162,26 +166,16 @@ fn read(
         return builtin::calibration(flags);
     };
     let text = files::read_text(path)?;
-    let held_out = flags.holdout.as_ref().map(PathBuf::from);
     read.push(path.to_owned());
-    let fetch = &mut linked(path, held_out.as_deref(), read);
+    let fetch = &mut linked(path, read);
     description::parse_calibration(&text, &path.to_string_lossy(), fetch, flags)
 }
 
 /// Reads what an experiment names, and notes the paths.
-fn linked(
-    experiment: &Path,
-    held_out: Option<&Path>,
-    read: &mut Vec<PathBuf>,
-) -> impl FnMut(&str) -> Result<String, Error> {
+fn linked(experiment: &Path, read: &mut Vec<PathBuf>) -> impl FnMut(&str) -> Result<String, Error> {
     let folder = experiment.parent().unwrap_or(Path::new("")).to_owned();
-    // a path from the command line is relative to where the user is
-    let held_out = held_out.map(Path::to_owned);
     move |file| {
-        let path = match &held_out {
-            Some(path) if path.as_os_str() == file => path.clone(),
-            _ => folder.join(file),
-        };
+        let path = folder.join(file);
         read.push(path.clone());
         files::read_text(&path)
     }
@@ -217,7 +211,7 @@ fn calibrated_robot(
             description::write_calibrated(
                 &text,
                 &path.to_string_lossy(),
-                &mut linked(path, None, &mut Vec::new()),
+                &mut linked(path, &mut Vec::new()),
                 calibration,
                 &note,
             )

@@ -136,6 +136,9 @@ impl Problem {
             let (folds, rows) = (self.folds, self.experiment.rows.len());
             return Err(Error::new(format!("{rows} rows in {folds} folds, expected 2 to {rows} folds")));
         }
+        if self.experiment.rows.is_empty() {
+            return Err(Error::new("the experiment has no rows"));
+        }
         if self.parameters.is_empty() {
             return Err(Error::new("nothing is free, so that there is nothing to calibrate"));
         }
@@ -254,8 +257,12 @@ pub fn calibrate_watched(
     });
     let folds = (problem.folds > 0)
         .then(|| search::fold_errors(problem, settings, &values, error_scale, watch))
-        .transpose()?
-        .map(|errors| experiment.summary(robot.length(), errors.into_iter()));
+        .transpose()?;
+    let (folds, not_known) = match folds {
+        Some(Ok(errors)) => (Some(experiment.summary(robot.length(), errors.into_iter())), None),
+        Some(Err(sentence)) => (None, Some(sentence)),
+        None => (None, None),
+    };
     let holdout = (!problem.holdout.is_empty()).then(|| {
         let lengths = [experiment.robot.length(), robot.length()];
         held_out(problem, settings, [&fit.start, &values], lengths)
@@ -287,7 +294,21 @@ pub fn calibrate_watched(
     let narrow = alike.as_ref().and_then(|alike| verdict::narrow(alike, problem.experiment.rows.len()));
     calibration.verdict.splice(1..1, verdict::follows(runs, alike));
     calibration.warnings = verdict::warnings(problem, &calibration, &statistics, &at, &minimum.held);
-    calibration.warnings.extend(narrow);
+    calibration.warnings.extend(narrow.into_iter().chain(not_known));
+    for (j, parameter) in problem.parameters.iter().enumerate() {
+        let stated = parameter.start(&fit.base)?;
+        if stated != fit.start[j] {
+            calibration.warnings.push(format!(
+                "The file's {} = {} lies outside its bounds: the fit and \"before\" start from {}.",
+                parameter.name,
+                parameter.show(stated, None),
+                parameter.show(fit.start[j], None)
+            ));
+        }
+    }
+    if minimum.crept {
+        calibration.warnings.push(verdict::CREPT.to_owned());
+    }
     Ok(calibration)
 }
 

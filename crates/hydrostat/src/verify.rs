@@ -390,7 +390,8 @@ impl Experiment {
     pub(crate) fn summary(&self, length: f64, errors: impl Iterator<Item = PointError>) -> Summary {
         let (mut count, mut coordinates) = (0.0, 0.0);
         let (mut sum, mut squares, mut max, mut weighted) = (0.0, 0.0, 0.0_f64, 0.0);
-        let mut offset = Vector3::zeros();
+        // an axis that a point does not read says nothing of its offset
+        let (mut sums, mut read): (Vector3<f64>, Vector3<f64>) = (Vector3::zeros(), Vector3::zeros());
         for (error, point) in errors.zip(self.points.iter().cycle()) {
             count += 1.0;
             coordinates += point.axes.len() as f64;
@@ -398,9 +399,11 @@ impl Experiment {
             squares += error.error.powi(2);
             max = max.max(error.error);
             weighted += (error.error / point.reading_error).powi(2);
-            offset += error.predicted - error.observed;
+            sums += error.predicted - error.observed;
+            point.axes.iter().for_each(|axis| read[*axis] += 1.0);
         }
-        offset /= count;
+        let offset = Vector3::from_fn(|axis, _| sums[axis] / read[axis].max(1.0));
+        let common = sums.dot(&offset);
         Summary {
             mean: sum / count,
             rms: (squares / count).sqrt(),
@@ -408,7 +411,7 @@ impl Experiment {
             mean_fraction: sum / count / length,
             in_reading_errors: (weighted / coordinates).sqrt(),
             offset,
-            rms_without_offset: (squares / count - offset.norm_squared()).max(0.0).sqrt(),
+            rms_without_offset: ((squares - common) / count).max(0.0).sqrt(),
         }
     }
 }

@@ -265,6 +265,13 @@ fn a_bound_holds_and_is_said() {
     );
     assert!(found.parameters[1].interval_95.is_some());
     assert!(found.warnings[0].contains("lies on its bound"), "{:?}", found.warnings);
+    let outside = "lies outside its bounds: the fit and \"before\" start from";
+    assert!(found.warnings.iter().any(|warning| warning.contains(outside)), "{:?}", found.warnings);
+    // alone on its bound it leaves nothing to be sure of
+    let mut alone = flags("youngs_modulus");
+    alone.bounds = bounded.bounds;
+    let found = fit(&problem_of(ROD, BENCH, &table(&exact()), &alone).expect("is valid"));
+    assert!(found.parameters[0].standard_error.is_none(), "{found:?}");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use hydrostat::Error;
 use hydrostat::calibrate::{Calibration, Problem, calibrate, predict, sensitivities};
-use hydrostat::description::{CalibrationFlags, parse_calibration, parse_robot};
+use hydrostat::description::{CalibrationFlags, parse_calibration, parse_robot, write_calibrated};
 use hydrostat::model::Command;
 use hydrostat::statics::{Settings, solve};
 use nalgebra::DVector;
@@ -178,6 +178,24 @@ fn folds_starts_and_what_is_held_out_agree_on_exact_data() {
     let [before, after] = found.holdout.expect("was asked for");
     assert!(before.rms > 1e-3 && after.rms < 1e-6, "{before:?} {after:?}");
     assert_eq!(found.starts.as_deref(), Some("3 of 3 starts lead to this fit."));
+}
+
+/// What is written is what was found, also where tied parts differ.
+#[test]
+fn tied_values_are_written_part_by_part() {
+    let robot = ROBOT.replace("HOME_A", "0.1 mm").replace("HOME_B", "0.3 mm");
+    let bench = BENCH.replace("BACKLASH", "0.2 mm");
+    let data = table(&exact());
+    let mut load = |path: &str| Ok(if path.ends_with(".csv") { data.clone() } else { robot.clone() });
+    let problem =
+        parse_calibration(&bench, "bench.toml", &mut load, &flags("tendon.*.home")).expect("is valid").value;
+    let found = fit(&problem);
+    let written = write_calibrated(&bench, "bench.toml", &mut load, &found, &[]).expect("is written");
+    let written = parse_robot(&written, "written.toml").expect("is valid").value;
+    for (written, found) in written.tendons.iter().zip(&found.robot.tendons) {
+        assert!((written.home - found.home).abs() < 1e-6, "{} {}", written.home, found.home);
+    }
+    assert!((written.tendons[1].home - written.tendons[0].home - 0.2e-3).abs() < 2e-6);
 }
 
 /// A reading that is off everywhere by the same is an offset, and nothing is left about the mean.

@@ -82,27 +82,29 @@ impl<'a> Fit<'a> {
         let (experiment, parameters) = (&problem.experiment, &problem.parameters);
         let trial = Trial::new(experiment, parameters, base, &values, scale)?;
         let rows = workspaces.par_iter_mut().enumerate();
+        let ignored = self.ignored.clone();
         let predicted = rows.map(|(row, workspace)| {
-            trial.row(row, settings, workspace).map_err(|error| in_row(experiment, row, error))
+            let predict =
+                || trial.row(row, settings, workspace).map_err(|error| in_row(experiment, row, error));
+            (!ignored.contains(&row)).then(predict).transpose()
         });
         // all of them, so that the first error is that of the first row
         let predicted: Vec<_> = predicted.collect();
-        let predicted = predicted.into_iter().collect::<Result<Vec<Predicted>, Error>>()?;
+        let predicted = predicted.into_iter().collect::<Result<Vec<Option<Predicted>>, Error>>()?;
 
         let priors = parameters.iter().filter(|parameter| parameter.prior.is_some()).count();
         let coordinates = problem.coordinates();
         let mut residuals = DVector::zeros(coordinates + priors);
         let mut jacobian = DMatrix::zeros(coordinates + priors, parameters.len());
         let mut k = 0;
-        for (number, (row, predicted)) in experiment.rows.iter().zip(&predicted).enumerate() {
-            let ignored = self.ignored.contains(&number);
+        for (row, predicted) in experiment.rows.iter().zip(&predicted) {
+            let Some(predicted) = predicted else {
+                k += coordinates / experiment.rows.len();
+                continue;
+            };
             for (i, point) in experiment.points.iter().enumerate() {
                 let error = point.reading_error * error_scale;
                 for &axis in &point.axes {
-                    if ignored {
-                        k += 1;
-                        continue;
-                    }
                     residuals[k] = (predicted.points[i][axis] - row.observed[i][axis]) / error;
                     for j in 0..parameters.len() {
                         jacobian[(k, j)] = predicted.derivatives[j][i][axis] / error;
@@ -156,9 +158,12 @@ impl<'a> Fit<'a> {
         };
         let settings =
             least_squares::Settings { tolerance: CONVERGED, negligible: NEGLIGIBLE, ..Default::default() };
+        let per_row = self.problem.coordinates() / self.problem.experiment.rows.len();
+        let unseen = self.ignored.len() * per_row;
         least_squares::minimize(from, &bounds, loss, &settings, &mut |x| {
             let at = self.evaluate(x, error_scale)?;
-            let residual = at.residuals.norm() * error_scale / (at.residuals.len() as f64).sqrt();
+            let counted = (at.residuals.len() - unseen) as f64;
+            let residual = at.residuals.norm() * error_scale / counted.sqrt();
             watch(&Progress { stage: self.stage.clone(), evaluations: self.evaluations, residual });
             Ok(at)
         })

@@ -97,7 +97,18 @@ impl Parameter {
 
     /// Value where the fit starts: that of the file.
     pub(super) fn start(&self, setup: &Setup) -> Result<f64, Error> {
-        self.parts[0].get(setup)
+        let first = self.parts[0].get(setup)?;
+        let keeps_ratio = self.parts[0].lowest().is_some();
+        for part in &self.parts[1..] {
+            if keeps_ratio && first == 0.0 && part.get(setup)? != 0.0 {
+                return Err(Error::new(format!(
+                    "the parts of {} keep their ratio, and the first of them is 0 while another is not",
+                    self.name
+                ))
+                .hint("give the first a value above 0 in the file, or free them one by one"));
+            }
+        }
+        Ok(first)
     }
 }
 

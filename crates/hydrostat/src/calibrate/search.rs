@@ -1,7 +1,7 @@
 //! Fits from several starts, and of parts of the rows.
 
 use super::fit::Fit;
-use super::{Loss, Parameter, Problem, Progress, verdict};
+use super::{LEAST_INFLUENCE, Loss, Parameter, Problem, Progress, verdict};
 use crate::Error;
 use crate::numeric::least_squares::Minimum;
 use crate::statics::Settings;
@@ -9,8 +9,9 @@ use crate::verify::PointError;
 use nalgebra::DVector;
 use statrs::distribution::{ContinuousCDF, Normal};
 
-/// Costs that differ by less are of one minimum.
-const SAME_COST: f64 = 1e-6;
+/// Costs that differ by less, relative or in squares of reading errors, are of one minimum: nobody sees the difference.
+const SAME_COST: f64 = 1e-4;
+const SAME_SQUARES: f64 = 1e-2;
 /// How far starts lie from the files' values at most: part of a positive value for which nothing tighter is known, and a value of any sign
 /// in units of its scale.
 const SPREAD: f64 = 1.0;
@@ -23,24 +24,26 @@ pub(super) fn from_several_starts(
     watch: &mut dyn FnMut(&Progress),
 ) -> Result<(Minimum, Option<String>), Error> {
     let count = fit.problem.starts.max(1);
-    let mut ends: Vec<(f64, Minimum)> = Vec::new();
+    let mut ends: Vec<(f64, Minimum, Fit)> = Vec::new();
     let mut refusal = None;
     for k in 0..count {
         if count > 1 {
             fit.stage = format!("start {} of {count}", k + 1);
         }
         let start = if k == 0 { first.clone() } else { other_start(fit, k) };
-        match fit.minimize(&start, 1.0, Loss::Squares, watch) {
-            Ok(minimum) => ends.push((minimum.at.residuals.norm_squared(), minimum)),
+        // shapes of its own: where a row has two, no start follows another
+        let mut own = fit.clone();
+        match own.minimize(&start, 1.0, Loss::Squares, watch) {
+            Ok(minimum) => ends.push((minimum.at.residuals.norm_squared(), minimum, own)),
             Err(error) => refusal = refusal.or(Some(error)),
         }
     }
     ends.sort_by(|a, b| a.0.total_cmp(&b.0));
     let refused = count - ends.len();
-    let Some((lowest, _)) = ends.first() else {
+    let Some((lowest, ..)) = ends.first() else {
         return Err(refusal.unwrap_or_else(|| Error::new("no start led to a fit")));
     };
-    let same = ends.iter().filter(|(cost, _)| cost - lowest <= SAME_COST * lowest).count();
+    let same = ends.iter().filter(|(cost, ..)| cost - lowest <= SAME_COST * lowest + SAME_SQUARES).count();
     let told = (count > 1).then(|| {
         let mut told = format!("{same} of {count} starts lead to this fit");
         let higher = count - refused - same;
@@ -52,7 +55,8 @@ pub(super) fn from_several_starts(
         }
         told + "."
     });
-    let (_, minimum) = ends.swap_remove(0);
+    let (_, minimum, best) = ends.swap_remove(0);
+    *fit = best;
     Ok((minimum, told))
 }
 
@@ -93,29 +97,40 @@ fn start_of(parameter: &Parameter, value: f64, scale: f64, part: f64) -> f64 {
     found.clamp(low, high)
 }
 
-/// Errors of every fold of neighbouring rows, predicted with the values that fit all others best.
+/// Errors of every fold of neighbouring rows, predicted with the values that fit all others best; in words why not, where a fold alone
+/// determines a parameter.
 pub(super) fn fold_errors(
     problem: &Problem,
     settings: &Settings,
     values: &[f64],
     error_scale: f64,
     watch: &mut dyn FnMut(&Progress),
-) -> Result<Vec<PointError>, Error> {
+) -> Result<Result<Vec<PointError>, String>, Error> {
     let rows = problem.experiment.rows.len();
     let mut errors = Vec::new();
     for fold in 0..problem.folds {
         let held = fold * rows / problem.folds..(fold + 1) * rows / problem.folds;
-        // held rows weigh nothing, but stay where they are: what comes after them depends on them
+        // held rows stay where they are: drives remember them
         let mut fit = Fit::new(problem, settings)?;
         fit.stage = format!("fold {} of {}", fold + 1, problem.folds);
         fit.ignored = held.clone();
         let start = fit.variables(values);
         let minimum = fit.minimize(&start, error_scale, problem.loss, watch)?;
+        for (j, parameter) in problem.parameters.iter().enumerate() {
+            if parameter.prior.is_none() && minimum.at.jacobian.column(j).norm() < LEAST_INFLUENCE {
+                return Ok(Err(format!(
+                    "How well a part of the table is predicted from the rest is not known: {} shows in fold {} of {} alone.",
+                    parameter.name,
+                    fold + 1,
+                    problem.folds
+                )));
+            }
+        }
         let values = fit.values(&minimum.x);
         let points = fit.points(&values)?;
         for k in held {
             errors.extend(problem.experiment.differences(&problem.experiment.rows[k], &points[k]));
         }
     }
-    Ok(errors)
+    Ok(Ok(errors))
 }

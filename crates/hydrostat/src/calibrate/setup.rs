@@ -53,7 +53,8 @@ impl Setup {
         match (first.get(self), part.get(self)) {
             (Ok(a), Ok(b)) if a == b => value,
             (Ok(a), Ok(b)) if first.lowest().is_none() => value + (b - a),
-            (Ok(a), Ok(b)) if a > 0.0 => value * b / a,
+            // `Parameter::start` refuses a tie whose first part is 0
+            (Ok(a), Ok(b)) => value * b / a,
             _ => value,
         }
     }

@@ -96,15 +96,21 @@ impl Statistics {
         });
 
         // theory (45) and (47): eigenvalues tell what is determined, the rest is inverted
-        let found = SymmetricEigen::new(unit.tr_mul(&unit));
-        let largest = found.eigenvalues.iter().copied().fold(0.0, f64::max);
+        // nothing is left where every parameter lies on a bound
+        let found = (!index.is_empty()).then(|| SymmetricEigen::new(unit.tr_mul(&unit)));
+        let pairs = found.iter().flat_map(|found| {
+            let vectors = found.eigenvectors.column_iter().map(|column| column.into_owned());
+            found.eigenvalues.iter().copied().zip(vectors)
+        });
+        let pairs: Vec<(f64, DVector<f64>)> = pairs.collect();
+        let largest = pairs.iter().map(|(value, _)| *value).fold(0.0, f64::max);
         let mut eigen: Vec<(f64, DVector<f64>)> = Vec::new();
         let mut inverse = DMatrix::zeros(count, count);
         let mut determined: Vec<bool> = held.iter().map(|held| !held).collect();
-        for (k, &value) in found.eigenvalues.iter().enumerate() {
+        for (value, direction) in pairs {
             let mut vector = DVector::zeros(count);
-            for (row, &j) in index.iter().enumerate() {
-                vector[j] = found.eigenvectors[(row, k)];
+            for (&j, part) in index.iter().zip(&direction) {
+                vector[j] = *part;
             }
             if value <= SINGULAR * largest {
                 for j in 0..count {

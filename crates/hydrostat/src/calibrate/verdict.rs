@@ -80,6 +80,10 @@ pub(super) fn narrow(alike: &Alike, rows: usize) -> Option<String> {
     })
 }
 
+/// Of a fit that ended on the floor of a valley.
+pub(super) const CREPT: &str = "The fit gained next to nothing in its last steps and was ended: other values along some combination of the parameters fit as well, \
+    and the values are one choice among them.";
+
 fn goodness(problem: &Problem, calibration: &Calibration) -> String {
     let Calibration { chi_square, degrees_of_freedom, error_scale, .. } = calibration;
     let Some(chance) = calibration.chance else {

@@ -129,14 +129,16 @@ fn write_part(
             number(document, format!("{}.angle", tendon(*i)), robot.tendons[*i].path.angle)
         }
         Part::Stiffness { tendon: i } => {
-            number(document, format!("{}.stiffness", tendon(*i)), estimate.value)
+            let stiffness = robot.tendons[*i].stiffness.unwrap_or(estimate.value);
+            number(document, format!("{}.stiffness", tendon(*i)), stiffness)
         }
         Part::Friction { tendon: i } => {
-            put(document, &format!("{}.friction", tendon(*i)), plain(estimate.value))
+            put(document, &format!("{}.friction", tendon(*i)), plain(robot.tendons[*i].friction))
         }
-        Part::Home { tendon: i } => number(document, format!("{}.home", tendon(*i)), estimate.value),
+        Part::Home { tendon: i } => number(document, format!("{}.home", tendon(*i)), robot.tendons[*i].home),
         Part::GuideMass { section: i } => {
-            number(document, format!("{}.guides.mass", section(*i)), estimate.value)
+            let mass = robot.sections[*i].guides.as_ref().map_or(estimate.value, |guides| guides.mass);
+            number(document, format!("{}.guides.mass", section(*i)), mass)
         }
         Part::BasePosition { .. } | Part::BaseRotation { .. } => {
             // without the mount angle of [bench], which stays in the experiment

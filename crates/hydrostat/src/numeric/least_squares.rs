@@ -45,6 +45,8 @@ pub struct Minimum {
     /// Variables that lie on a bound and would go beyond it.
     pub held: Vec<bool>,
     pub steps: usize,
+    /// Whether it ended on the floor of a valley, not at its lowest point.
+    pub crept: bool,
 }
 
 /// Damping at the start, and where no smaller step can help.
@@ -52,9 +54,9 @@ const FIRST_DAMPING: f64 = 1e-3;
 const MOST_DAMPING: f64 = 1e12;
 /// Part of the promised decrease below which a step is refused.
 const LEAST_GAIN: f64 = 1e-4;
-/// A search that stalls above this part of the cost has not converged; one that gains less in so many steps creeps along the floor of a
-/// valley that the data cannot tell from its lowest point.
+/// A search that stalls above this part of the cost has not converged.
 const STALLED: f64 = 1e-6;
+/// One that gains less than that in so many steps creeps along the floor of a valley: regular ones need five to ten in all.
 const CREEPING: usize = 20;
 
 impl Loss {
@@ -112,7 +114,7 @@ pub fn minimize(
             .collect();
         if steps % CREEPING == CREEPING - 1 {
             if earlier - cost <= STALLED * cost {
-                return Ok(Minimum { x, at, held, steps });
+                return Ok(Minimum { x, at, held, steps, crept: true });
             }
             earlier = cost;
         }
@@ -123,7 +125,7 @@ pub fn minimize(
             let step = &trial - &x;
             let promised = -(2.0 * gradient.dot(&step) + step.dot(&(&normal * &step)));
             if promised <= settings.tolerance * cost + settings.negligible {
-                return Ok(Minimum { x, at, held, steps });
+                return Ok(Minimum { x, at, held, steps, crept: false });
             }
             let found = evaluate(&trial).ok().map(|found| (loss.cost(&found.residuals), found));
             let gain = found.as_ref().map_or(-1.0, |(new, _)| (cost - new) / promised);
@@ -137,7 +139,7 @@ pub fn minimize(
             growth *= 2.0;
             if damping >= MOST_DAMPING {
                 if promised <= STALLED * cost {
-                    return Ok(Minimum { x, at, held, steps });
+                    return Ok(Minimum { x, at, held, steps, crept: false });
                 }
                 return Err(Error::new("the fit has stalled: no step along its gradient goes down")
                     .hint("start from values nearer to the truth, or give bounds"));
