@@ -87,7 +87,7 @@ fn text(experiment: &Experiment, budget: &Budget) -> String {
     }
     let _ = writeln!(
         text,
-        "\nStandard deviations of the predicted points by those of the inputs; {} samples, seed {}\n",
+        "\nStandard deviations of the predicted points by those of the inputs; {} samples, seed {}. What has no line counts as exact.\n",
         budget.samples, budget.seed
     );
     text += &aligned(&contributions(budget));
