@@ -97,8 +97,8 @@ fn parameter(problem: &Problem, estimate: &Estimate) -> Value {
         notes => notes.iter().map(|note| breakable(note, '.')).collect::<Vec<_>>(),
         before => pretty(&parameter.show(*before, None)),
         value => show(*value),
-        error => standard_error.map_or_else(|| "not determined".to_owned(), show),
-        interval => interval_95.map_or_else(|| "–".to_owned(), |[low, high]| between(&show(low), &show(high))),
+        error => standard_error.map_or_else(|| "–".to_owned(), show),
+        interval => interval_95.map_or_else(|| "not determined".to_owned(), |[low, high]| between(&show(low), &show(high))),
         drawing => svg(interval_svg(estimate)),
     }
 }
