@@ -78,7 +78,7 @@ fn two_calibrations_are_one_page() {
 fn an_interval_is_drawn_about_its_value() {
     let drawing = drawings(&page(&[gray(&["youngs_modulus"])])).swap_remove(0);
     let document = roxmltree::Document::parse(&drawing).unwrap();
-    let of = |tag: &str| document.descendants().filter(|n| n.has_tag_name(tag)).next_back().unwrap();
+    let of = |tag: &str| document.descendants().rfind(|n| n.has_tag_name(tag)).unwrap();
     let number = |tag: &str, name: &str| of(tag).attribute(name).unwrap().parse::<f64>().unwrap();
     let (bar, width, dot) = (number("rect", "x"), number("rect", "width"), number("circle", "cx"));
     assert!((bar + width / 2.0 - dot).abs() < 0.02, "{drawing}");
