@@ -278,7 +278,8 @@ impl Experiment {
                     return Acting { value: moved, motion: Motion::Pulled };
                 };
                 // theory (52)
-                let value = before.value.clamp(moved - half, moved + half);
+                let value =
+                    if moved.is_nan() { moved } else { before.value.clamp(moved - half, moved + half) };
                 let motion = match value - before.value {
                     change if change > 0.0 => Motion::Pulled,
                     change if change < 0.0 => Motion::Released,

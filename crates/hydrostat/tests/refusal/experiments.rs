@@ -45,7 +45,7 @@ column = "angle""#, r#"the mount angle is both varied here and fixed in [bench]
    |            ^^^^^^^^^^^^^
 "#;
 
-    unknown_variation r#""hung_mass""# => r#""weight""#, r#"found "weight", expected "hung_mass", "mount_angle" or "force"
+    unknown_variation r#""hung_mass""# => r#""weight""#, r#"found "weight", expected "hung_mass", "mount_angle", "force", "displacement" or "tension"
  --> lab/bench.toml:6:12, key vary.1.quantity
   |
 6 | quantity = "weight"
