@@ -80,7 +80,7 @@ impl<'a> Fit<'a> {
         let values = self.values(x);
         let Fit { problem, base, scale, settings, workspaces, .. } = self;
         let (experiment, parameters) = (&problem.experiment, &problem.parameters);
-        let trial = Trial::new(experiment, parameters, base, &values, scale)?;
+        let trial = Trial::new(experiment, parameters, base, &values, scale);
         let rows = workspaces.par_iter_mut().enumerate();
         let ignored = self.ignored.clone();
         let predicted = rows.map(|(row, workspace)| {

@@ -51,7 +51,7 @@ impl<'a> Trial<'a> {
         base: &Setup,
         values: &[f64],
         scale: &[f64],
-    ) -> Result<Trial<'a>, Error> {
+    ) -> Trial<'a> {
         let setup = base.with(parameters, values);
         let (mounted, acting) = (setup.mounted(experiment), setup.acting(experiment));
         let first = experiment.robot_in(&mounted, &acting[0]);
@@ -84,7 +84,7 @@ impl<'a> Trial<'a> {
             }
         };
         let ways = (0..parameters.len()).map(way).collect();
-        Ok(Trial { experiment, setup, mounted, acting, ways })
+        Trial { experiment, setup, mounted, acting, ways }
     }
 
     /// Solves a row and differentiates it, theory (38) to (42).

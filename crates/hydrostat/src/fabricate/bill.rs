@@ -88,8 +88,7 @@ fn cable(workshop: &Workshop, kit: &Kit) -> Item {
 
 fn sheets(workshop: &Workshop, kit: &Kit) -> Vec<Item> {
     let [w, h] = workshop.sheet_size.map(|side| short(side / MM));
-    let specification =
-        format!("acrylic {} mm (measured), {w} x {h} mm", short(workshop.sheet_thickness / MM));
+    let specification = format!("acrylic {} mm, {w} x {h} mm", short(workshop.sheet_thickness / MM));
     let of = |bench: bool| {
         let group = |part: usize| kit.parts[part].group == Group::Bench;
         let sheets = kit
