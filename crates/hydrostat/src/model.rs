@@ -228,6 +228,20 @@ impl Robot {
     }
 }
 
+impl Robot {
+    /// Whether another robot is this one, whatever the commands.
+    pub(crate) fn differs_in_commands_only(&self, other: &Robot) -> bool {
+        let Robot { name, gravity, base, sections, tendons, loads, actuation } = self;
+        *tendons == other.tendons
+            && *loads == other.loads
+            && *sections == other.sections
+            && *gravity == other.gravity
+            && *base == other.base
+            && *name == other.name
+            && actuation.len() == other.actuation.len()
+    }
+}
+
 impl Path {
     /// The hole r and its derivative r' along s at a fraction of a tendon's `length`, body frame.
     pub fn hole(&self, fraction: f64, length: f64) -> (Vector3<f64>, Vector3<f64>) {

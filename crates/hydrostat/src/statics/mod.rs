@@ -124,7 +124,7 @@ pub fn solve_near(
     settings: &Settings,
     workspace: &mut Workspace,
 ) -> Result<Equilibrium, Error> {
-    let start = if workspace.warm { Start::Last } else { Start::Rest };
+    let start = if workspace.warm { Start::Last { changed: true } } else { Start::Rest };
     run(robot, settings, workspace, start)
 }
 
@@ -180,18 +180,22 @@ fn run(
     workspace.warm = false;
     robot.check()?;
     settings.check()?;
-    workspace.chain.rebuild(robot);
+    let changed = workspace.chain.rebuild(robot);
     if settings.method == Method::Energy {
         let Workspace { chain, energy, by_energy, .. } = workspace;
         // a shape found by shooting is no start
-        let start = if matches!(start, Start::Last) && !*by_energy { Start::Rest } else { start };
+        let start = match start {
+            Start::Last { .. } if *by_energy => Start::Last { changed },
+            Start::Last { .. } => Start::Rest,
+            other => other,
+        };
         *by_energy = true;
         let found = energy::find(energy, robot, chain, settings, start)?;
         let equilibrium = report::of_energy(robot, settings, chain, energy, &found)?;
         workspace.warm = true;
         return Ok(equilibrium);
     }
-    let warm = matches!(start, Start::Last) && !workspace.by_energy;
+    let warm = matches!(start, Start::Last { .. }) && !workspace.by_energy;
     workspace.by_energy = false;
     let (found, states) = held::solve(robot, settings, workspace, warm)?;
     let judged = judge(robot, settings, workspace, &found);

@@ -56,6 +56,16 @@ const SHRINKING: f64 = 0.1;
 /// How much slower than the last step with the same factors the next may be.
 const SLOWER: f64 = 4.0;
 
+/// What Newton's method begins with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Begin {
+    Anew,
+    /// The factors at hand, where they are of this mesh.
+    WithFactors,
+    /// The same, and the shape that was placed last.
+    Placed,
+}
+
 /// A converged iteration.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Converged {
@@ -107,9 +117,13 @@ impl Equations<'_> {
 
     /// Places the shape and finds the gradient there, kept with its sign changed. Returns its size.
     fn evaluate(&self, memory: &mut Memory, mesh: &mut Mesh) -> f64 {
+        self.place(&mut memory.sweep, &mut memory.drive, mesh);
+        self.evaluate_placed(memory, mesh)
+    }
+
+    fn evaluate_placed(&self, memory: &mut Memory, mesh: &Mesh) -> f64 {
         let Memory { sweep, linear, drive } = memory;
         drive.apply(self.robot, self.factor);
-        self.place(sweep, drive, mesh);
         let residual = sweep.gradient(&self.problem(&drive.tensions), mesh, &mut linear.gradient);
         linear.gradient.negate();
         residual
@@ -238,18 +252,19 @@ impl Equations<'_> {
     }
 
     /// Newton's method until the error it leaves is below `target` (radians and like units). Factors are kept while steps are short and
-    /// shrink fast; `reuse` begins with those at hand.
+    /// shrink fast.
     pub(super) fn newton(
         &self,
         memory: &mut Memory,
         mesh: &mut Mesh,
         target: f64,
-        mut reuse: bool,
+        begin: Begin,
         iterations: &mut usize,
     ) -> Result<Converged, Stuck> {
         let (mut last, mut last_residual) = (f64::INFINITY, f64::INFINITY);
         let mut first_contraction: Option<f64> = None;
-        let (mut made, mut evaluated) = (false, None);
+        let (mut made, mut reuse) = (false, begin != Begin::Anew);
+        let mut evaluated = (begin == Begin::Placed).then(|| self.evaluate_placed(memory, mesh));
         for _ in 0..MAX_ITERATIONS {
             let reused = reuse && memory.sweep.holds_factors(mesh);
             let gradient = evaluated.take().unwrap_or_else(|| self.evaluate(memory, mesh));

@@ -1,7 +1,7 @@
 //! From the unloaded shape to the loaded one: at once or by load continuation, then finer meshes.
 
 use super::mesh::Layout;
-use super::newton::{Converged, Equations, Stuck};
+use super::newton::{Begin, Converged, Equations, Stuck};
 use super::{Energy, Memory, friction, tendons};
 use crate::numeric::anderson::Anderson;
 use crate::numeric::collocation::MOST;
@@ -82,8 +82,8 @@ pub(super) struct Before {
 pub(in crate::statics) enum Start<'a> {
     /// The unloaded shape.
     Rest,
-    /// The last solution, where it fits.
-    Last,
+    /// The last solution, where it fits; `changed` where more than the commands has changed since then.
+    Last { changed: bool },
     /// A given shape, base to tip.
     Shape(&'a [Station]),
 }
@@ -129,7 +129,7 @@ impl<'a> Search<'a> {
                 self.start_from(shape)?;
                 self.newton(1.0, tolerance).map_err(|stuck| self.not_converged(1.0, &stuck))?;
             }
-            Start::Last => match self.continue_last() {
+            Start::Last { changed } => match self.continue_last(changed) {
                 Some((end, estimate)) if estimate <= tolerance * self.chain.length => {
                     return self.judge(end, estimate, None);
                 }
@@ -274,7 +274,8 @@ impl<'a> Search<'a> {
         for turn in 0..MOST_TURNS {
             let Energy { tables, coarse, memory, .. } = &mut *self.energy;
             let equations = Equations { robot: self.robot, chain: self.chain, tables, factor };
-            let mut converged = equations.newton(memory, coarse, target, turn > 0, &mut self.iterations)?;
+            let begin = if turn > 0 { Begin::WithFactors } else { Begin::Anew };
+            let mut converged = equations.newton(memory, coarse, target, begin, &mut self.iterations)?;
             if !rubs {
                 return Ok(converged);
             }

@@ -66,6 +66,13 @@ impl Drive {
         self.taut.resize(self.held.len(), true);
     }
 
+    /// Whether the held tendons are those of the robot.
+    pub(super) fn is_of(&self, robot: &Robot) -> bool {
+        let held = |(i, command): (usize, &Command)| matches!(command, Command::Displacement { .. }).then_some(i);
+        self.tensions.len() == robot.tendons.len()
+            && robot.actuation.iter().enumerate().filter_map(held).eq(self.held.iter().copied())
+    }
+
     /// Sets the given tensions to a part of the command.
     pub(super) fn apply(&mut self, robot: &Robot, factor: f64) {
         for (tension, command) in self.tensions.iter_mut().zip(&robot.actuation) {

@@ -1,6 +1,6 @@
 //! From the last solution to one nearby: on its mesh, with the factors of its Hessian.
 
-use super::newton::{Converged, Equations, NEAR};
+use super::newton::{Begin, Converged, Equations, NEAR};
 use super::search::{Before, Search, Seen};
 use super::tendons::Drive;
 use super::{Energy, Memory};
@@ -12,14 +12,47 @@ const SMALLEST_TAIL: f64 = 1e-13;
 const ROOM: f64 = 0.5;
 
 impl Search<'_> {
-    /// The equilibrium at the full load nearest to the last solution. Returns the estimated error, too, which grows with the highest
-    /// coefficient; None where Newton's method did not converge.
-    pub(super) fn continue_last(&mut self) -> Option<(Converged, f64)> {
+    /// The equilibrium at the full load nearest to the last solution; `changed` where more than the commands has changed. Returns the
+    /// estimated error, too, which grows with the highest coefficient; None where Newton's method did not converge.
+    pub(super) fn continue_last(&mut self, changed: bool) -> Option<(Converged, f64)> {
         let target = 0.1 * self.settings.tolerance;
         if self.energy.layouts.len() != self.chain.spans.len() || self.energy.coarse.panels.is_empty() {
             return None;
         }
-        self.take_mesh_before();
+        let coarser = self.take_mesh_before();
+        let same = !changed && !coarser && self.energy.memory.drive.is_of(self.robot);
+        if same {
+            let Energy { coarse, reached, .. } = &mut *self.energy;
+            reached.rotations.clone_from(&coarse.rotations);
+        } else {
+            self.lay_under_last()?;
+        }
+        if self.rubs() {
+            let end = self.newton(1.0, target).ok()?;
+            return (!self.strayed(&end)).then_some((end, f64::INFINITY));
+        }
+        let bend = self.bend_by_change();
+        let begin = if bend > NEAR {
+            Begin::Anew
+        } else if same && bend == 0.0 {
+            Begin::Placed
+        } else {
+            Begin::WithFactors
+        };
+        let Energy { tables, coarse, memory, .. } = &mut *self.energy;
+        let equations = Equations { robot: self.robot, chain: self.chain, tables, factor: 1.0 };
+        let end = equations.newton(memory, coarse, target, begin, &mut self.iterations).ok()?;
+        if self.strayed(&end) {
+            return None;
+        }
+        let Seen { tail, error_estimate, .. } = self.energy.seen;
+        let growth = (self.energy.coarse.tail(&self.energy.tables) / tail.max(SMALLEST_TAIL)).max(1.0);
+        Some((end, error_estimate * growth * growth + end.residual.min(target) * self.chain.length))
+    }
+
+    /// Lays the mesh anew, for a robot that has changed, under the shape and the tensions of the last solution. None where it has become
+    /// another mesh.
+    fn lay_under_last(&mut self) -> Option<()> {
         let Energy { coarse, fine, memory, .. } = &mut *self.energy;
         std::mem::swap(coarse, fine);
         let Drive { tensions, taut, held, mean_shares, .. } = &mut memory.drive;
@@ -44,19 +77,8 @@ impl Search<'_> {
         if rubs {
             coarse.set_shares(&fine.shares());
             memory.drive.mean_shares = means;
-            let end = self.newton(1.0, target).ok()?;
-            return (!self.strayed(&end)).then_some((end, f64::INFINITY));
         }
-        let reuse = self.bend_by_change() <= NEAR;
-        let Energy { tables, coarse, memory, .. } = &mut *self.energy;
-        let equations = Equations { robot: self.robot, chain: self.chain, tables, factor: 1.0 };
-        let end = equations.newton(memory, coarse, target, reuse, &mut self.iterations).ok()?;
-        if self.strayed(&end) {
-            return None;
-        }
-        let Seen { tail, error_estimate, .. } = self.energy.seen;
-        let growth = (self.energy.coarse.tail(&self.energy.tables) / tail.max(SMALLEST_TAIL)).max(1.0);
-        Some((end, error_estimate * growth * growth + end.residual.min(target) * self.chain.length))
+        Some(())
     }
 
     /// Where the tensions have changed by so much that the last factors would not do, bends the shape as this alone would. Returns a
@@ -82,17 +104,18 @@ impl Search<'_> {
         turn
     }
 
-    /// Goes back to the mesh before the last refinement, where that was fine enough.
-    fn take_mesh_before(&mut self) {
+    /// Goes back to the mesh before the last refinement, where that was fine enough. Returns whether it did.
+    fn take_mesh_before(&mut self) -> bool {
         let Energy { layouts, coarse, fine, memory: Memory { sweep, .. }, seen, .. } = &mut *self.energy;
-        let Some(Before { tail, error_estimate }) = seen.before.take() else { return };
+        let Some(Before { tail, error_estimate }) = seen.before.take() else { return false };
         if error_estimate > ROOM * self.settings.tolerance * self.chain.length {
-            return;
+            return false;
         }
         std::mem::swap(coarse, fine);
         layouts.iter_mut().for_each(|layout| layout.points -= 1);
         sweep.factored = None;
         *seen = Seen { tail, error_estimate, before: None };
+        true
     }
 
     /// From the shape that was reached on a fine mesh to the same on the first one, to be refined again.
