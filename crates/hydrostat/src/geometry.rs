@@ -113,6 +113,13 @@ fn series(terms: &[[f64; 6]], x: f64) -> [f64; 6] {
     sums
 }
 
+impl Default for RotationVector {
+    /// No turn.
+    fn default() -> Self {
+        Self::new(Vector3::zeros())
+    }
+}
+
 impl RotationVector {
     pub fn new(w: Vector3<f64>) -> Self {
         let x = w.norm_squared();

@@ -80,11 +80,13 @@ fn subtract_product(entry: &mut Matrix3<f64>, a: &Matrix3<f64>, b: &Matrix3<f64>
 
 /// Carries a right-hand side through [`Front::eliminate`]: afterwards its last entries are those of what is left.
 pub fn forward(blocks: &[Matrix3<f64>], size: usize, pivots: usize, right: &mut [Vector3<f64>]) {
-    for p in 0..pivots {
-        let value = right[p];
-        for i in p + 1..size {
-            right[i] -= blocks[i * size + p] * value;
+    for (i, row) in blocks.chunks_exact(size).enumerate().skip(1) {
+        let (known, rest) = right.split_at_mut(i);
+        let mut sum = rest[0];
+        for (block, known) in row[..pivots.min(i)].iter().zip(&*known) {
+            sum -= block * known;
         }
+        rest[0] = sum;
     }
 }
 

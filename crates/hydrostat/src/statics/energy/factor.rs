@@ -8,6 +8,7 @@ use crate::geometry::hat;
 use crate::numeric::blocks::{Front, symmetric};
 use crate::numeric::collocation::{Collocation, MOST};
 use crate::numeric::larger;
+use crate::statics::section::Pulled;
 use nalgebra::{Matrix3, Vector3};
 use std::ops::{Index, IndexMut};
 
@@ -49,6 +50,7 @@ impl Sweep {
     pub(super) fn gradient(&mut self, problem: &Problem, mesh: &Mesh, gradient: &mut Column) -> f64 {
         gradient.clear(mesh);
         self.locals.clear();
+        self.pulled.resize_with(mesh.data.len(), Pulled::default);
         self.follow(problem, mesh);
         self.pull_chords(problem, mesh, gradient);
         for (node, data) in mesh.data.iter().enumerate() {
@@ -62,7 +64,13 @@ impl Sweep {
                 gravity: problem.factor * problem.gravity,
             };
             let shape = &self.shapes[node];
-            let local = Local::new(data, passing, problem.tensions, shape, &acting);
+            let pulled = (!passing.is_empty()).then(|| {
+                let pulled = &mut self.pulled[node];
+                *pulled = Pulled::default();
+                passing.iter().for_each(|of| pulled.add(&of.pull(problem.tensions), &shape.v, &shape.u));
+                &*pulled
+            });
+            let local = Local::new(data, pulled, shape, &acting);
             gradient.nodes[node] = local.gradient(data, shape);
             self.locals.push(local);
         }
@@ -144,7 +152,8 @@ impl Sweep {
         let unknown = panel.gap.is_some() || mesh.follows;
         for node in panel.nodes.clone() {
             let (data, shape, local) = (&mesh.data[node], &self.shapes[node], &self.locals[node]);
-            self.models[node] = node::linearise(data, shape, local, shift, unknown);
+            let pulled = (!data.passing.is_empty()).then(|| &self.pulled[node]);
+            self.models[node] = node::linearise(data, shape, local, pulled, shift, unknown);
             assemble(&mut front, of, panel, table, node - panel.nodes.start, data.weight, &self.models[node]);
         }
         add_beyond(&mut front, of, table, carried);

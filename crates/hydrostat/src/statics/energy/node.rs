@@ -7,7 +7,7 @@ use crate::statics::section::Pulled;
 use nalgebra::{Matrix3, Vector3};
 
 /// The shape at a node: rotation vector since the panel's start and its rate, strains, rotation in the world.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Shape {
     pub(super) turn: RotationVector,
     pub(super) rate: Vector3<f64>,
@@ -22,19 +22,21 @@ pub(super) struct Shape {
 }
 
 impl Shape {
-    pub(super) fn new(start: &Matrix3<f64>, turn: Vector3<f64>, rate: Vector3<f64>, v: Vector3<f64>) -> Self {
+    /// Places the node by the rotation of the panel's start.
+    pub(super) fn place(
+        &mut self,
+        start: &Matrix3<f64>,
+        turn: Vector3<f64>,
+        rate: Vector3<f64>,
+        v: Vector3<f64>,
+    ) {
         let turn = RotationVector::new(turn);
-        let (since_start, jacobian) = (turn.rotation(), turn.jacobian());
-        Shape {
-            u: jacobian * rate,
-            turn_u: turn.jacobian_differential(&rate),
-            rotation: start * since_start,
-            turn,
-            rate,
-            v,
-            since_start,
-            jacobian,
-        }
+        self.since_start = turn.rotation();
+        self.jacobian = turn.jacobian();
+        self.turn_u = turn.jacobian_differential(&rate);
+        self.u = self.jacobian * rate;
+        self.rotation = start * self.since_start;
+        (self.turn, self.rate, self.v) = (turn, rate, v);
     }
 
     /// Rotation of the section by those of the panel's start and of the turn, body frame.
@@ -84,15 +86,17 @@ pub(super) struct Linearised {
     pub(super) force_force: Matrix3<f64>,
     /// Inverse of the v-v block; NaN where the energy does not grow with v.
     v_v_inverse: Matrix3<f64>,
-    /// The v rows of du and of the section's rotation; that of the force beyond is -R^T.
-    v_u: Matrix3<f64>,
-    v_turned: Matrix3<f64>,
+    /// The v rows of du, None where no channel tendon passes; those of the section's rotation are -hat(force), that of the force beyond
+    /// is -R^T.
+    v_u: Option<Matrix3<f64>>,
+    force: Vector3<f64>,
 }
 
-/// What pulls at a placed node: the section law with its tendons, and what acts on it in the body frame.
+/// What pulls at a placed node in the body frame.
 #[derive(Clone, Debug)]
 pub(super) struct Local {
-    pulled: Pulled,
+    /// The energy's gradient in v without its weight and without the force beyond: K_se (v - v*) + sum tau t.
+    u_v: Vector3<f64>,
     /// The energy's gradient in u: K_bt (u - u*) + sum tau r x t.
     u_u: Vector3<f64>,
     force: Vector3<f64>,
@@ -104,24 +108,21 @@ pub(super) struct Local {
 }
 
 impl Local {
-    pub(super) fn new(
-        data: &NodeData,
-        passing: &[Passing],
-        tensions: &[f64],
-        shape: &Shape,
-        acting: &Acting,
-    ) -> Self {
-        let mut pulled = Pulled::default();
-        for tendon in passing {
-            pulled.add(&tendon.pull(tensions), &shape.v, &shape.u);
+    /// `pulled` by the channel tendons that pass, if any do.
+    pub(super) fn new(data: &NodeData, pulled: Option<&Pulled>, shape: &Shape, acting: &Acting) -> Self {
+        let mut u_v = data.shear.component_mul(&(shape.v - Vector3::z()));
+        let mut u_u = data.bend.component_mul(&(shape.u - data.rest_curvature));
+        if let Some(pulled) = pulled {
+            u_v += pulled.force;
+            u_u += pulled.moment;
         }
         let force = shape.rotation.tr_mul(&acting.force);
         let to_body =
             |of: &Vector3<f64>, acts: bool| if acts { shape.rotation.tr_mul(of) } else { Vector3::zeros() };
         let weight = to_body(&acting.gravity, data.mass_moment != Vector3::zeros());
         Local {
-            u_u: data.bend.component_mul(&(shape.u - data.rest_curvature)) + pulled.moment,
-            pulled,
+            u_v,
+            u_u,
             moment: shape.v.cross(&force) + data.mass_moment.cross(&weight),
             dead_moment: to_body(&acting.moment_per_length, data.moment_per_length != Vector3::zeros()),
             following_moment: acting.following_moment,
@@ -132,11 +133,10 @@ impl Local {
 
     /// The energy's gradient for the weight of the node, theory (31).
     pub(super) fn gradient(&self, data: &NodeData, shape: &Shape) -> Form {
-        let u_v = data.shear.component_mul(&(shape.v - Vector3::z())) + self.pulled.force;
         let moment = data.weight * (self.moment + self.dead_moment + self.following_moment);
         let u_u = data.weight * self.u_u;
         Form {
-            v: data.weight * (u_v - self.force),
+            v: data.weight * (self.u_v - self.force),
             turn: shape.turn_u.tr_mul(&u_u) - shape.jacobian.tr_mul(&moment),
             rate: shape.jacobian.tr_mul(&u_u),
             start: -(shape.since_start * moment),
@@ -151,27 +151,27 @@ pub(super) fn linearise(
     data: &NodeData,
     shape: &Shape,
     local: &Local,
+    pulled: Option<&Pulled>,
     shift: f64,
     unknown: bool,
 ) -> Linearised {
     let stiffer = 1.0 + shift;
-    let Local { pulled, u_u, force, weight, moment, dead_moment, following_moment } = local;
+    let Local { u_u, force, weight, moment, dead_moment, following_moment, .. } = local;
     let (jacobian, b, back) = (&shape.jacobian, &shape.turn_u, &shape.since_start);
-    let free = data.passing.is_empty();
 
     // v eliminated from the form in du, the section's rotation a, and the force beyond
     let v_turned = -hat(force);
     let (v_v_inverse, mut uu, ua);
-    if free {
-        v_v_inverse = Matrix3::from_diagonal(&(stiffer * data.shear).map(f64::recip));
-        (uu, ua) = (Matrix3::from_diagonal(&(stiffer * data.bend)), Matrix3::zeros());
-    } else {
+    if let Some(pulled) = pulled {
         v_v_inverse = convex_inverse(&(pulled.v_v + Matrix3::from_diagonal(&(stiffer * data.shear))));
         let du = v_v_inverse * pulled.v_u;
         (uu, ua) = (pulled.u_u - pulled.v_u.tr_mul(&du), -du.tr_mul(&v_turned));
         for axis in 0..3 {
             uu[(axis, axis)] += stiffer * data.bend[axis];
         }
+    } else {
+        v_v_inverse = Matrix3::from_diagonal(&(stiffer * data.shear).map(f64::recip));
+        (uu, ua) = (Matrix3::from_diagonal(&(stiffer * data.bend)), Matrix3::zeros());
     }
     let da = v_v_inverse * v_turned;
     // rotations of the section: of the panel's start before that since the start
@@ -199,10 +199,10 @@ pub(super) fn linearise(
         start_force: Matrix3::zeros(),
         force_force: Matrix3::zeros(),
         v_v_inverse,
-        v_u: pulled.v_u,
-        v_turned,
+        v_u: pulled.map(|pulled| pulled.v_u),
+        force: *force,
     };
-    if !free {
+    if pulled.is_some() {
         let mixed = b.tr_mul(&ua_turn);
         model.turn_turn += mixed + mixed.transpose();
         model.turn_rate += ua_turn.tr_mul(jacobian);
@@ -230,7 +230,7 @@ pub(super) fn linearise(
         model.turn_force = jacobian.tr_mul(&turned_force);
         model.start_force = back * turned_force;
         model.force_force = -(shape.rotation * of_force);
-        if !free {
+        if let Some(pulled) = pulled {
             let u_force = pulled.v_u.tr_mul(&of_force);
             model.turn_force += b.tr_mul(&u_force);
             model.rate_force = jacobian.tr_mul(&u_force);
@@ -258,21 +258,34 @@ impl Linearised {
     /// What is left of a right-hand side once v is eliminated.
     pub(super) fn condense(&self, shape: &Shape, right: &Form) -> Form {
         let v = self.v_v_inverse * right.v;
-        let (u, turned) = (self.v_u.tr_mul(&v), self.v_turned.tr_mul(&v));
-        Form {
+        let turned = self.force.cross(&v);
+        let mut left = Form {
             v: right.v,
-            turn: right.turn - shape.turn_u.tr_mul(&u) - shape.jacobian.tr_mul(&turned),
-            rate: right.rate - shape.jacobian.tr_mul(&u),
+            turn: right.turn - shape.jacobian.tr_mul(&turned),
+            rate: right.rate,
             start: right.start - shape.since_start * turned,
             force: right.force + shape.rotation * v,
+        };
+        if let Some(v_u) = &self.v_u {
+            let u = v_u.tr_mul(&v);
+            left.turn -= shape.turn_u.tr_mul(&u);
+            left.rate -= shape.jacobian.tr_mul(&u);
         }
+        left
     }
 
-    /// v from the others: `solved` holds their values, `right` the right-hand side.
-    pub(super) fn recover_v(&self, shape: &Shape, right: &Vector3<f64>, solved: &Form) -> Vector3<f64> {
-        let u = shape.turn_u * solved.turn + shape.jacobian * solved.rate;
-        let turned = shape.turned(&solved.start, &solved.turn);
-        self.v_v_inverse
-            * (right - self.v_u * u - self.v_turned * turned + shape.rotation.tr_mul(&solved.force))
+    /// v from the others: `solved` holds their values, `turned` the rotation of the section by them, `right` the right-hand side.
+    pub(super) fn recover_v(
+        &self,
+        shape: &Shape,
+        right: &Vector3<f64>,
+        solved: &Form,
+        turned: &Vector3<f64>,
+    ) -> Vector3<f64> {
+        let mut of_v = right + self.force.cross(turned) + shape.rotation.tr_mul(&solved.force);
+        if let Some(v_u) = &self.v_u {
+            of_v -= v_u * (shape.turn_u * solved.turn + shape.jacobian * solved.rate);
+        }
+        self.v_v_inverse * of_v
     }
 }

@@ -13,6 +13,7 @@ use crate::numeric::blocks;
 use crate::numeric::collocation::{Collocation, MOST};
 use crate::numeric::larger;
 use crate::statics::chain::Chain;
+use crate::statics::section::Pulled;
 use nalgebra::{Matrix3, Vector3};
 
 /// What the energy is made of, beside the shape.
@@ -39,6 +40,8 @@ pub(super) const GAP: usize = 2;
 pub(super) struct Sweep {
     pub(super) shapes: Vec<Shape>,
     pub(super) locals: Vec<Local>,
+    /// By the channel tendons, per node; of those that none passes without meaning.
+    pub(super) pulled: Vec<Pulled>,
     pub(super) models: Vec<Linearised>,
     pub(super) panels: Vec<PanelFront>,
     /// Directions in which the energy fell where the fronts' factors were made; None for those of a shifted Hessian.
@@ -231,7 +234,7 @@ pub(super) fn weighted(weights: &[f64], vectors: &[Vector3<f64>]) -> Vector3<f64
 impl Sweep {
     /// Poses of cuts and nodes by the turns and strains of the mesh.
     pub(super) fn place(&mut self, mesh: &mut Mesh, tables: &Tables) {
-        self.shapes.clear();
+        self.shapes.resize_with(mesh.data.len(), Shape::default);
         self.panels.clear();
         let (mut blocks, mut rows) = (0, 0);
         for k in 0..mesh.panels.len() {
@@ -240,9 +243,9 @@ impl Sweep {
             let (start, mut position) = (mesh.rotations[k], mesh.positions[k]);
             for (local, node) in panel.nodes.clone().enumerate() {
                 let rate = rate_of(panel, table, local, &mesh.turn[panel.nodes.clone()]);
-                let shape = Shape::new(&start, mesh.turn[node], rate, mesh.v[node]);
+                let shape = &mut self.shapes[node];
+                shape.place(&start, mesh.turn[node], rate, mesh.v[node]);
                 position += mesh.data[node].weight * (shape.rotation * shape.v);
-                self.shapes.push(shape);
             }
             let turn = RotationVector::new(mesh.end_turn(panel, table));
             let since_start = turn.rotation();
@@ -422,8 +425,9 @@ impl Sweep {
                 };
                 // the model is per unit weight
                 let form = right.nodes[node].v / mesh.data[node].weight;
-                step.v[node] = self.models[node].recover_v(shape, &form, &solved);
-                let size = shape.turned(&start, &turn).norm_squared().max(step.v[node].norm_squared());
+                let by_turns = shape.turned(&start, &turn);
+                step.v[node] = self.models[node].recover_v(shape, &form, &solved, &by_turns);
+                let size = by_turns.norm_squared().max(step.v[node].norm_squared());
                 step.size = larger(step.size, size);
                 turned += table.end[local] * turn;
             }
