@@ -18,6 +18,9 @@ pub struct Collocation {
     pub top: Vec<f64>,
     /// Of the next lower degree.
     pub below_top: Vec<f64>,
+    /// What the integral of the next higher Legendre polynomial, which is zero at the points, is to count for there: its values times
+    /// (points + 1) / (2 points + 1), with which the weights are exact for its product with a polynomial of degree points - 1.
+    pub bow: Vec<f64>,
     /// At 0, 1/2 and 1.
     pub start: Row,
     pub middle: Row,
@@ -39,6 +42,9 @@ pub struct Row {
     /// Value and slope of the polynomial of one degree less, through the points alone.
     pub inner: [f64; MOST],
     pub inner_slope: [f64; MOST],
+    /// The integral of the Legendre polynomial that is zero at the points, and that polynomial.
+    pub bow: f64,
+    pub bow_slope: f64,
 }
 
 impl Collocation {
@@ -59,10 +65,13 @@ impl Collocation {
                 (2 * count - 1) as f64 * weight * legendre_polynomial(count - 1, 2.0 * t - 1.0).0
             })
             .collect();
+        let before = |t: &f64| legendre_polynomial(count - 1, 2.0 * t - 1.0).0;
+        let bow = points.iter().map(|t| -before(t) / (2 * (2 * count + 1)) as f64).collect();
         let mut table = Collocation {
             points,
             weights,
             below_top,
+            bow,
             derivative: Vec::with_capacity(count * count),
             end: Vec::new(),
             top,
@@ -118,6 +127,9 @@ impl Collocation {
             row.value[j] = inner * t / self.points[j];
             row.slope[j] = (inner + t * slope) / self.points[j];
         }
+        let (after, legendre) = legendre_polynomial(count + 1, 2.0 * t - 1.0);
+        let before = legendre_polynomial(count, 2.0 * t - 1.0).1;
+        (row.bow, row.bow_slope) = ((after - before) / (2 * (2 * count + 1)) as f64, legendre);
         row
     }
 }
@@ -181,6 +193,26 @@ mod tests {
                 let found: f64 = row.iter().zip(&values).map(|(a, b)| a * b).sum();
                 assert!((found - 3.0).abs() < 1e-11, "{count} points: {found}");
             }
+        }
+    }
+
+    #[test]
+    fn the_bow_is_the_integral_of_the_next_polynomial() {
+        for count in FEWEST..=MOST {
+            let c = Collocation::new(count);
+            let fine = Collocation::new(MOST);
+            for t in [0.2, 0.7, 1.0] {
+                let of = |point: &f64| legendre_polynomial(count, 2.0 * t * point - 1.0).0;
+                let integral: f64 = fine.points.iter().zip(&fine.weights).map(|(p, w)| t * w * of(p)).sum();
+                assert!((c.row(t).bow - integral).abs() < 1e-14, "{count} points at {t}");
+            }
+            // its product with a polynomial of degree points - 1, exact and by the points alone
+            let degree = count as i32 - 1;
+            let exact = fine.points.iter().zip(&fine.weights);
+            let exact: f64 = exact.map(|(t, w)| w * c.row(*t).bow * t.powi(degree)).sum();
+            let by_points = c.points.iter().zip(&c.weights).zip(&c.bow);
+            let by_points: f64 = by_points.map(|((t, w), bow)| w * bow * t.powi(degree)).sum();
+            assert!((exact - by_points).abs() < 1e-15, "{count}: {exact} {by_points}");
         }
     }
 

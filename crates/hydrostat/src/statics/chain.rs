@@ -316,6 +316,11 @@ impl Chain {
 }
 
 impl Span {
+    /// Whether its stiffness is the same all along.
+    pub(super) fn is_uniform(&self) -> bool {
+        self.uniform.is_some()
+    }
+
     /// A step from `s` over `length` within this span.
     ///
     /// `tensions` are those of the tendons at the base.

@@ -332,8 +332,9 @@ impl Solution<'_> {
     ) -> (Matrix3<f64>, Vector3<f64>, Vector3<f64>, Vector3<f64>) {
         let panel = &self.mesh.panels[k];
         let table = self.tables.of(panel.nodes.len());
-        let [mut turn, mut dturn, mut v, mut dv] = [Vector3::zeros(); 4];
+        let [mut dturn, mut v, mut dv] = [Vector3::zeros(); 3];
         let row = table.row(t);
+        let mut turn = row.bow * panel.length * panel.bow;
         for (j, node) in panel.nodes.clone().enumerate() {
             let (value, inner) = (row.value[j], row.inner[j]);
             turn += value * self.mesh.turn[node];

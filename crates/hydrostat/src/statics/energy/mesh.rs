@@ -25,6 +25,8 @@ pub(super) struct Panel {
     pub(super) gap: Option<usize>,
     /// Whether it is the last of its span, so that the span's point loads act at its end.
     pub(super) ends_span: bool,
+    /// What its curvature has of the Legendre polynomial that is zero at the nodes, 1/m.
+    pub(super) bow: Vector3<f64>,
 }
 
 /// What a Gauss node has whatever the shape.
@@ -102,6 +104,8 @@ pub(super) struct Mesh {
     pub(super) positions: Vec<Vector3<f64>>,
     /// Whether loads follow the shape.
     pub(super) follows: bool,
+    /// How far bows move the shape, in lengths, per turn that they add to a node; None where panels do not bow.
+    pub(super) bows: Option<f64>,
     /// Position and rotation at the panels' middles, where Newton's method ended.
     pub(super) middles: Vec<(Vector3<f64>, Matrix3<f64>)>,
 }
@@ -124,7 +128,7 @@ impl Clone for Mesh {
         self.v.clone_from(&from.v);
         self.rotations.clone_from(&from.rotations);
         self.positions.clone_from(&from.positions);
-        self.follows = from.follows;
+        (self.follows, self.bows) = (from.follows, from.bows);
         self.middles.clone_from(&from.middles);
     }
 }
@@ -164,7 +168,7 @@ impl Mesh {
         self.data.clear();
         self.passing.clear();
         self.middles.clear();
-        self.follows = chain.follower;
+        (self.follows, self.bows) = (chain.follower, None);
         for (number, (span, layout)) in chain.spans.iter().zip(layouts).enumerate() {
             let length = (span.to - span.from) / layout.parts as f64;
             for part in 0..layout.parts {
@@ -181,6 +185,7 @@ impl Mesh {
                     nodes: first..self.data.len(),
                     gap: None,
                     ends_span: part + 1 == layout.parts,
+                    bow: Vector3::zeros(),
                 });
             }
         }
@@ -357,7 +362,8 @@ impl Mesh {
         panel: &Panel,
         row: &Row,
     ) -> (Vector3<f64>, Vector3<f64>, Vector3<f64>) {
-        let (mut turn, mut rate, mut v) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
+        let (mut turn, mut rate) = (row.bow * panel.length * panel.bow, row.bow_slope * panel.length * panel.bow);
+        let mut v = Vector3::zeros();
         for (j, node) in panel.nodes.clone().enumerate() {
             turn += row.value[j] * self.turn[node];
             rate += row.slope[j] * self.turn[node];
@@ -404,6 +410,10 @@ impl Mesh {
     pub(super) fn copy_shape(&mut self, from: &Mesh) {
         self.turn.clone_from(&from.turn);
         self.v.clone_from(&from.v);
+        self.bows = from.bows;
+        for (panel, from) in self.panels.iter_mut().zip(&from.panels) {
+            panel.bow = from.bow;
+        }
     }
 
     /// Poses of the panels' middles on the placed shape.
@@ -411,7 +421,8 @@ impl Mesh {
         self.middles.clear();
         for (k, panel) in self.panels.iter().enumerate() {
             let table = tables.of(panel.nodes.len());
-            let (mut turn, mut position) = (Vector3::zeros(), self.positions[k]);
+            let mut turn = table.middle.bow * panel.length * panel.bow;
+            let mut position = self.positions[k];
             for (j, node) in panel.nodes.clone().enumerate() {
                 let shape = &sweep.shapes[node];
                 turn += table.middle.value[j] * self.turn[node];
@@ -422,8 +433,11 @@ impl Mesh {
     }
 
     /// Largest of a turn's two coefficients of highest degree, times the panel's part of the length: what a higher degree might add. One
-    /// of the two may vanish by symmetry.
+    /// of the two may vanish by symmetry. Where panels bow, of what this adds.
     pub(super) fn tail(&self, tables: &Tables) -> f64 {
+        if self.bows.is_some() {
+            return self.largest_bow();
+        }
         let of = |panel: &Panel| {
             let table = tables.of(panel.nodes.len());
             let turns = &self.turn[panel.nodes.clone()];

@@ -2,10 +2,11 @@
 //!
 //! Each panel of the backbone has a polynomial for its rotation vector, and so for its bending and twist, and values of
 //! shear and stretch at its Gauss nodes (`mesh`, `node`); one block elimination along the chain gives Newton's step and the
-//! inertia of the Hessian (`factor`, `chords`, `following`, `sweep`, `newton`); `search`, `at_once`, `warm` and `trust` lead to the full load, `judge`,
+//! inertia of the Hessian (`factor`, `chords`, `following`, `sweep`, `newton`); `search`, `at_once`, `warm`, `bow` and `trust` lead to the full load, `judge`,
 //! `convex`, `result` and `derivatives` say what was found.
 
 mod at_once;
+mod bow;
 mod chords;
 mod convex;
 mod derivatives;

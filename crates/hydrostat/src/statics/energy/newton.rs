@@ -7,12 +7,15 @@ use super::{Memory, Tables};
 use crate::Robot;
 use crate::numeric::{larger, nonnegative};
 use crate::statics::chain::Chain;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector3};
 
 /// One linearisation with its right-hand sides: the gradient, and the length of each held tendon.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Linear {
-    gradient: Column,
+    /// Minus the energy's gradient.
+    pub(super) downhill: Column,
+    /// Bows of the panels that it asks for.
+    pub(super) bows: Vec<Vector3<f64>>,
     length: Column,
     lengths: Vec<Folded>,
     pull: Column,
@@ -31,6 +34,8 @@ pub(super) struct Linear {
 pub(super) struct Linearised {
     /// Largest rotation of the step, rad, or relative change of a tension's bending.
     pub(super) correction: f64,
+    /// How far the change of the bows will move the shape, in lengths.
+    bowing: f64,
     pub(super) residual: f64,
     /// Directions in which the energy falls while the held tendons stay as they are.
     pub(super) negative: Option<usize>,
@@ -121,11 +126,12 @@ impl Equations<'_> {
         self.evaluate_placed(memory, mesh)
     }
 
-    fn evaluate_placed(&self, memory: &mut Memory, mesh: &Mesh) -> f64 {
+    /// The same at the shape that was placed last.
+    pub(super) fn evaluate_placed(&self, memory: &mut Memory, mesh: &Mesh) -> f64 {
         let Memory { sweep, linear, drive } = memory;
         drive.apply(self.robot, self.factor);
-        let residual = sweep.gradient(&self.problem(&drive.tensions), mesh, &mut linear.gradient);
-        linear.gradient.negate();
+        let residual = sweep.gradient(&self.problem(&drive.tensions), mesh, &mut linear.downhill);
+        linear.downhill.negate();
         residual
     }
 
@@ -137,7 +143,7 @@ impl Equations<'_> {
     /// What is left of the equations at the placed shape.
     pub(super) fn residual(&self, memory: &mut Memory, mesh: &Mesh) -> f64 {
         let Memory { sweep, linear, drive } = memory;
-        let mut residual = sweep.gradient(&self.problem(&drive.tensions), mesh, &mut linear.gradient);
+        let mut residual = sweep.gradient(&self.problem(&drive.tensions), mesh, &mut linear.downhill);
         for (&tendon, &taut) in drive.held.iter().zip(&drive.taut) {
             let excess = drive.excess(self.robot, tendon, self.factor);
             residual =
@@ -156,13 +162,17 @@ impl Equations<'_> {
         reused: bool,
     ) -> Linearised {
         let Memory { sweep, linear, drive } = memory;
-        sweep.solve(mesh, self.tables, &linear.gradient, &mut linear.step);
+        sweep.solve(mesh, self.tables, &linear.downhill, &mut linear.step);
         if !(reused && linear.border.nrows() == drive.held.len()) {
             self.border(sweep, linear, drive, mesh);
         }
         let held = self.hold(sweep, linear, drive, mesh);
+        let bowing = mesh.bows.map_or(0.0, |moves| {
+            moves * mesh.find_bows(self.tables, &linear.downhill, &mut linear.bows)
+        });
         Linearised {
             correction: larger(linear.step.size, held.change),
+            bowing,
             residual: larger(residual, held.residual),
             negative: negative.map(|negative| negative.saturating_sub(held.negative)),
         }
@@ -171,7 +181,7 @@ impl Equations<'_> {
     /// How fast the energy falls along the last step.
     pub(super) fn slope(&self, memory: &Memory, mesh: &Mesh) -> f64 {
         let mut gradient = Folded::default();
-        memory.linear.gradient.fold(&memory.sweep, mesh, self.tables, &mut gradient);
+        memory.linear.downhill.fold(&memory.sweep, mesh, self.tables, &mut gradient);
         gradient.dot(&memory.linear.step)
     }
 
@@ -246,6 +256,9 @@ impl Equations<'_> {
         for (v, change) in mesh.v.iter_mut().zip(&linear.step.v) {
             *v += change;
         }
+        if mesh.bows.is_some() {
+            mesh.take_bows(&linear.bows);
+        }
         for (&tendon, &tension) in drive.held.iter().zip(&linear.tensions) {
             drive.tensions[tendon] = tension;
         }
@@ -276,7 +289,7 @@ impl Equations<'_> {
             };
             made |= !reused;
             *iterations += 1;
-            let Linearised { correction, residual, .. } = now;
+            let Linearised { correction, bowing, residual, .. } = now;
             let contraction = if correction > 0.0 { correction / last } else { 0.0 };
             let near = memory.sweep.moved + correction <= NEAR;
             if reused && !(near && contraction <= SHRINKING) {
@@ -305,8 +318,9 @@ impl Equations<'_> {
                 (false, true) => QUADRATIC_AT_FIRST * correction * correction,
                 (false, false) => correction * contraction.min(QUADRATIC * correction).max(1e-3 * correction),
             };
+            let ahead = larger(ahead, bowing);
             let allowed = target.max(ROUNDING_RESIDUAL);
-            let closed = correction <= target && residual <= allowed || rounding;
+            let closed = larger(correction, bowing) <= target && residual <= allowed || rounding;
             if closed || ahead <= target && (!reused || next * residual <= allowed) {
                 if closed && residual > allowed {
                     return Err(Stuck { correction });

@@ -29,13 +29,15 @@ const FIRST_TURN: f64 = 0.8;
 pub(super) const LARGEST_TURN: f64 = 1.3;
 /// Points of the first mesh, one more for tolerances below the second number; two less where panels turn little.
 const FIRST_POINTS: usize = 4;
-const FINE_TOLERANCE: f64 = 1e-7;
+pub(super) const FINE_TOLERANCE: f64 = 1e-7;
 /// Factor on the error estimate, for what two or three solutions cannot tell.
-const SAFETY: f64 = 3.0;
+pub(super) const SAFETY: f64 = 3.0;
 /// What is assumed of the reduction by one more point before it has been seen, and the largest that is believed.
 const UNSEEN_REDUCTION: f64 = 8.0;
 const LARGEST_REDUCTION: f64 = 64.0;
-const SLOWEST_REDUCTION: f64 = 2.0;
+pub(super) const SLOWEST_REDUCTION: f64 = 2.0;
+/// Of it where tendons are straight between guides.
+pub(super) const LARGEST_REDUCTION_IN_GAPS: f64 = 16.0;
 /// Length, in parts of the whole, that an error of the part of a tension that friction leaves counts for.
 const SHARES: f64 = 0.01;
 const MOST_NODES: usize = 20_000;
@@ -139,6 +141,13 @@ impl<'a> Search<'a> {
             },
             Start::Rest => unstable_from = self.start_from_rest()?,
         }
+        if let Some((end, error_estimate)) = self.let_bow()
+            && error_estimate <= tolerance * self.chain.length
+        {
+            let tail = self.energy.coarse.tail(&self.energy.tables);
+            self.energy.seen = Seen { tail, error_estimate, before: None };
+            return self.judge(end, error_estimate, unstable_from);
+        }
         let mut last_difference: Option<f64> = None;
         let mut restarts = 0;
         loop {
@@ -196,9 +205,9 @@ impl<'a> Search<'a> {
             return SLOWEST_REDUCTION;
         }
         let told = seen.filter(|_| added).or_else(|| added.then_some(tails.0 / tails.1));
-        told.filter(|told| told.is_finite())
-            .unwrap_or(UNSEEN_REDUCTION)
-            .clamp(SLOWEST_REDUCTION, LARGEST_REDUCTION)
+        let straight = !self.energy.coarse.chords.is_empty();
+        let largest = if straight { LARGEST_REDUCTION_IN_GAPS } else { LARGEST_REDUCTION };
+        told.filter(|told| told.is_finite()).unwrap_or(UNSEEN_REDUCTION).clamp(SLOWEST_REDUCTION, largest)
     }
 
     fn start_from_rest(&mut self) -> Result<Option<f64>, Error> {
@@ -448,7 +457,7 @@ impl<'a> Search<'a> {
     }
 
     /// Largest distance between the shapes of the coarse mesh and the one before it.
-    fn difference(&self) -> f64 {
+    pub(super) fn difference(&self) -> f64 {
         let Energy { tables, coarse, fine, .. } = &*self.energy;
         let mut largest = 0.0;
         let same = fine.middles.len() == coarse.panels.len();

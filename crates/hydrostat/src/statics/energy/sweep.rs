@@ -244,7 +244,11 @@ impl Sweep {
             for (local, node) in panel.nodes.clone().enumerate() {
                 let rate = rate_of(panel, table, local, &mesh.turn[panel.nodes.clone()]);
                 let shape = &mut self.shapes[node];
-                shape.place(&start, mesh.turn[node], rate, mesh.v[node]);
+                let mut turn = mesh.turn[node];
+                if mesh.bows.is_some() {
+                    turn += table.bow[local] * panel.length * panel.bow;
+                }
+                shape.place(&start, turn, rate, mesh.v[node]);
                 position += mesh.data[node].weight * (shape.rotation * shape.v);
             }
             let turn = RotationVector::new(mesh.end_turn(panel, table));
