@@ -4,13 +4,15 @@ use super::newton::{Converged, Equations};
 use super::search::{LARGEST_TURN, ON_THE_WAY, Search};
 use super::{Energy, Memory, Smooth};
 use crate::Robot;
-use crate::model::{Frame, Load, LoadKind, Routing};
+use crate::model::{Command, Frame, Load, LoadKind, Routing, Tendon};
 use crate::numeric::collocation::FEWEST;
 use nalgebra::Vector3;
 
 /// Points that the first shape has less, and its accuracy.
 const POINTS_LESS: usize = 2;
 const ROUGH: f64 = 1e-3;
+/// Part of its bending stiffness that the robot to start from may lose at most.
+const LARGEST_SOFTENING: f64 = 0.5;
 
 impl Search<'_> {
     /// The full load at once, on few points first, from the bend that the tendons alone would give: for those in channels the only
@@ -89,23 +91,42 @@ impl Search<'_> {
     }
 }
 
-/// The robot with all tendons in channels and the weight of its guides spread over their sections.
+/// Sum of the given tensions of the tendons that are straight between the guides of a section.
+fn given_tension(robot: &Robot, section: usize) -> f64 {
+    let given = |(tendon, command): (&Tendon, &Command)| match command {
+        Command::Tension { tension, .. } if tendon.ends >= section && tendon.routing == Routing::Guides => *tension,
+        _ => 0.0,
+    };
+    robot.tendons.iter().zip(&robot.actuation).map(given).sum()
+}
+
+/// A robot with all tendons in channels that bends nearly as the robot does: softened by what the bow between guides adds to the arm of
+/// the tendons, the weight of the guides spread evenly and at the sections' ends.
 fn in_channels(robot: &Robot) -> Robot {
     let mut smooth = robot.clone();
     smooth.tendons.iter_mut().for_each(|tendon| tendon.routing = Routing::Channel);
     let mut from = 0.0;
-    for section in &mut smooth.sections {
+    for (number, section) in smooth.sections.iter_mut().enumerate() {
         let to = from + section.length;
-        if let Some(guides) = section.guides.take() {
-            let mass = guides.mass * guides.positions.len() as f64;
+        if let Some(guides) = section.guides.take().filter(|guides| !guides.positions.is_empty()) {
+            let (count, bend) = (guides.positions.len() as f64, section.stiffness(0.0).1);
+            let gap = section.length / count;
+            // a chord is on average curvature x gap^2 / 12 farther from the backbone than its holes
+            let softer = given_tension(robot, number) * gap * gap / 12.0;
+            section.material.youngs_modulus *= 1.0 - (2.0 * softer / (bend.x + bend.y)).min(LARGEST_SOFTENING);
+            // of their weight so much at the end that its centre stays
+            let centre = guides.positions.iter().sum::<f64>() / count;
+            let at_end = (2.0 * centre / section.length - 1.0).clamp(0.0, 1.0);
+            let mass = guides.mass * count;
             let kind = LoadKind::Distributed {
                 from,
                 to,
-                force_per_length: mass / section.length * robot.gravity,
+                force_per_length: (1.0 - at_end) * mass / section.length * robot.gravity,
                 moment_per_length: Vector3::zeros(),
                 frame: Frame::World,
             };
             smooth.loads.push(Load { name: None, kind });
+            smooth.loads.push(Load { name: None, kind: LoadKind::Mass { at: to, mass: at_end * mass } });
         }
         from = to;
     }

@@ -10,7 +10,7 @@ use crate::numeric::larger;
 use nalgebra::Vector3;
 
 /// Panels that turn further are not described by bows alone, rad.
-const LARGEST_TURN: f64 = 0.3;
+pub(super) const MOST_BOWED: f64 = 0.15;
 
 impl Search<'_> {
     /// Lets every panel bow, from the solution without. Returns the estimated error, too, by how much that has moved the shape; None where
@@ -27,25 +27,31 @@ impl Search<'_> {
             return None;
         }
         let Energy { tables, coarse, fine, memory, .. } = &mut *self.energy;
-        if coarse.largest_turn(tables) > LARGEST_TURN {
+        if coarse.largest_turn(tables) > MOST_BOWED {
             return None;
+        }
+        let equations = Equations { robot: self.robot, chain: self.chain, tables, factor: 1.0 };
+        let target = 0.1 * tolerance;
+        if self.left > 0.5 * tolerance {
+            equations.newton(memory, coarse, target, Begin::Placed, &mut self.iterations).ok()?;
         }
         let without = coarse.tail(tables);
         let straight = (coarse.turn.clone(), coarse.v.clone());
         fine.middles.clone_from(&coarse.middles);
         fine.positions.clone_from(&coarse.positions);
-        let equations = Equations { robot: self.robot, chain: self.chain, tables, factor: 1.0 };
         equations.evaluate_placed(memory, coarse);
         coarse.bows = Some(1.0);
         let turned = coarse.find_bows(tables, &memory.linear.downhill, &mut memory.linear.bows);
         coarse.take_bows(&memory.linear.bows);
-        let end = equations.newton(memory, coarse, 0.1 * tolerance, Begin::WithFactors, &mut self.iterations);
+        let end = equations.newton(memory, coarse, target, Begin::WithFactors, &mut self.iterations);
         let difference = self.difference();
         let Energy { tables, coarse, memory: Memory { sweep, .. }, .. } = &mut *self.energy;
         let reduction = (without / coarse.tail(tables)).clamp(SLOWEST_REDUCTION, LARGEST_REDUCTION_IN_GAPS);
         let left = SAFETY * difference / (reduction - 1.0);
         match end {
-            Ok(end) if left.is_finite() => {
+            Ok(mut end) if left.is_finite() => {
+                // under the same load
+                end.moved = sweep.moved;
                 coarse.bows = Some(difference / (self.chain.length * turned.max(f64::MIN_POSITIVE)));
                 let rounding = end.residual.min(1e-3 * tolerance) + f64::EPSILON * coarse.data.len() as f64;
                 Some((end, left + rounding * self.chain.length))

@@ -2,6 +2,7 @@
 
 use super::mesh::Mesh;
 use super::sweep::{Problem, Sweep};
+use crate::numeric::larger;
 
 /// Where the bound is believed: the integrals are sums over nodes.
 const SURELY: f64 = 0.1;
@@ -16,12 +17,14 @@ impl Sweep {
     }
 
     /// Lower bound of the smallest eigenvalue of the energy's Hessian over its elastic part, theory (51), from the strains of the placed
-    /// shape and the loads alone; None with chords, and where there is no energy.
+    /// shape and the loads alone; None where there is no energy.
     pub(super) fn curvature_bound(&self, problem: &Problem, mesh: &Mesh) -> Option<f64> {
         let pulls = problem.tensions.iter().all(|tension| *tension >= 0.0);
-        if !(problem.chain.conservative && mesh.chords.is_empty() && pulls) {
+        if !(problem.chain.conservative && pulls) {
             return None;
         }
+        // dead loads and chords share what shear and stretch keep
+        let of_shear = if mesh.chords.is_empty() { OF_SHEAR } else { 0.5 * OF_SHEAR };
         let gravity = problem.factor * problem.gravity.norm();
         let (mut flexibility, mut softening) = (0.0, 0.0);
         for panel in &mesh.panels {
@@ -32,7 +35,7 @@ impl Sweep {
             for (data, shape) in data.iter().zip(shapes) {
                 let force = problem.factor * data.force.norm();
                 let turning = 1.5 * (force * shape.v.norm() + gravity * data.mass_moment.norm());
-                let shearing = force * force / (OF_SHEAR * data.shear.min());
+                let shearing = force * force / (of_shear * data.shear.min());
                 softening += data.weight * flexibility * (turning + shearing);
             }
             if panel.ends_span {
@@ -40,6 +43,28 @@ impl Sweep {
                 softening += 1.5 * gravity * hung * flexibility;
             }
         }
-        Some((1.0 - softening).min(OF_SHEAR))
+        let of_chords = (0..mesh.gaps.len()).map(|gap| self.softening_by_chords(problem, mesh, gap, of_shear));
+        Some((1.0 - softening - of_chords.fold(0.0, larger)).min(OF_SHEAR))
+    }
+
+    /// Part of a gap's elastic energy that its chords may take, theory (66): their lengths depend on the strains of the gap alone.
+    fn softening_by_chords(&self, problem: &Problem, mesh: &Mesh, gap: usize, of_shear: f64) -> f64 {
+        let gap = &mesh.gaps[gap];
+        let (mut tension, mut turning) = (0.0, 0.0);
+        for chord in &mesh.chords[gap.chords.clone()] {
+            let of_chord = problem.tensions[chord.tendon] * chord.share;
+            tension += of_chord;
+            turning += 1.5 * of_chord * chord.holes[1].norm();
+        }
+        let (mut flexibility, mut shearing) = (0.0, 0.0);
+        for panel in &mesh.panels[gap.panels.clone()] {
+            let nodes = panel.nodes.clone();
+            for (data, shape) in mesh.data[nodes.clone()].iter().zip(&self.shapes[nodes]) {
+                flexibility += data.weight / data.bend.min();
+                turning += 1.5 * data.weight * tension * shape.v.norm();
+                shearing += data.weight * tension * tension / (of_shear * data.shear.min());
+            }
+        }
+        flexibility * (turning + shearing)
     }
 }

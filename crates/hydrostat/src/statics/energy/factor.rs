@@ -109,7 +109,8 @@ impl Sweep {
     /// Eliminates the Hessian at the shape of [`Sweep::gradient`], with `shift` times the elastic part added. Returns the
     /// number of directions in which the energy falls; None where the elimination broke down.
     pub(super) fn factor(&mut self, problem: &Problem, mesh: &Mesh, shift: f64) -> Option<usize> {
-        (self.factored, self.moved) = (None, 0.0);
+        self.factored = None;
+        self.mark_factored();
         let mut negative = 0;
         let mut carried = Carried::default();
         for k in (0..mesh.panels.len()).rev() {

@@ -1,8 +1,10 @@
 //! From the unloaded shape to the loaded one: at once or by load continuation, then finer meshes.
 
 use super::mesh::Layout;
+use super::bow::MOST_BOWED;
 use super::newton::{Begin, Converged, Equations, Stuck};
 use super::{Energy, Memory, friction, tendons};
+use crate::model::Routing;
 use crate::numeric::anderson::Anderson;
 use crate::numeric::collocation::MOST;
 use crate::numeric::larger;
@@ -107,6 +109,8 @@ pub(super) struct Search<'a> {
     pub(super) chain: &'a Chain,
     pub(super) settings: &'a Settings,
     pub(super) iterations: usize,
+    /// What the last iteration left, rad.
+    pub(super) left: f64,
     /// Part of the loads at which the branch ended and the robot snapped.
     pub(super) snapped_from: Option<f64>,
     /// Whether panels were cut in two on the way.
@@ -120,7 +124,7 @@ impl<'a> Search<'a> {
         chain: &'a Chain,
         settings: &'a Settings,
     ) -> Self {
-        Search { energy, robot, chain, settings, iterations: 0, snapped_from: None, relaid: false }
+        Search { energy, robot, chain, settings, iterations: 0, left: f64::INFINITY, snapped_from: None, relaid: false }
     }
 
     fn run(&mut self, start: Start) -> Result<Found, Error> {
@@ -257,10 +261,14 @@ impl<'a> Search<'a> {
     pub(super) fn first_layout(&mut self) {
         self.energy.layouts.clear();
         let first_points = self.first_points();
+        // between guides bows stand for further points
+        let straight = self.robot.tendons.iter().all(|tendon| tendon.routing == Routing::Guides);
+        let bows = straight && !self.robot.tendons.is_empty() && self.settings.tolerance >= FINE_TOLERANCE;
+        let little = if bows { MOST_BOWED } else { 0.1 * FIRST_TURN };
         for span in &self.chain.spans {
             let turn = span.largest_angle(self.robot) * (span.to - span.from);
             let parts = (turn / FIRST_TURN - 1e-9).ceil().clamp(1.0, 1e4) as usize;
-            let points = if turn < 0.1 * FIRST_TURN { first_points - 2 } else { first_points };
+            let points = if turn < little { first_points - 2 } else { first_points };
             self.energy.layouts.push(Layout { parts, points });
         }
     }
@@ -285,6 +293,7 @@ impl<'a> Search<'a> {
             let equations = Equations { robot: self.robot, chain: self.chain, tables, factor };
             let begin = if turn > 0 { Begin::WithFactors } else { Begin::Anew };
             let mut converged = equations.newton(memory, coarse, target, begin, &mut self.iterations)?;
+            self.left = converged.residual;
             if !rubs {
                 return Ok(converged);
             }

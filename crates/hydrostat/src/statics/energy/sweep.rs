@@ -35,6 +35,9 @@ pub(super) const STATE: usize = 4;
 /// nu and d.
 pub(super) const GAP: usize = 2;
 
+/// Largest turn over its chord for turns up to a right angle.
+const TURN_OF_CHORD: f64 = 1.12;
+
 /// Scratch memory of the linearisation, and its factors.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sweep {
@@ -46,8 +49,9 @@ pub(super) struct Sweep {
     pub(super) panels: Vec<PanelFront>,
     /// Directions in which the energy fell where the fronts' factors were made; None for those of a shifted Hessian.
     pub(super) factored: Option<usize>,
-    /// Sum of the steps taken with them, rad.
+    /// Bound of how far the shape has moved since then, rad, and the rotations of the nodes there.
     pub(super) moved: f64,
+    factored_at: Vec<Matrix3<f64>>,
     /// Blocks of the panels' fronts, one panel behind the other.
     pub(super) fronts: Vec<Matrix3<f64>>,
     pub(super) gaps: Vec<GapPull>,
@@ -315,6 +319,25 @@ impl Sweep {
     /// Whether there are factors of the Hessian on this mesh.
     pub(super) fn holds_factors(&self, mesh: &Mesh) -> bool {
         self.factored.is_some() && self.models.len() == mesh.data.len()
+    }
+
+    /// Begins to count how far the shape moves away from the factors.
+    pub(super) fn mark_factored(&mut self) {
+        self.moved = 0.0;
+        self.factored_at.clear();
+        self.factored_at.extend(self.shapes.iter().map(|shape| shape.rotation));
+    }
+
+    /// Takes the largest turn of a node since then for the sum of the steps, which may have led back.
+    pub(super) fn measure_moved(&mut self) {
+        if self.factored_at.len() == self.shapes.len() {
+            let turns = self.shapes.iter().zip(&self.factored_at).map(|(shape, at)| {
+                // of a turn by the angle a the norm is sqrt(8) sin(a / 2)
+                (shape.rotation - at).norm_squared()
+            });
+            let turn = (0.5 * turns.fold(0.0, larger)).sqrt();
+            self.moved = self.moved.min(TURN_OF_CHORD * turn);
+        }
     }
 
     /// Solves with the factors: Hessian x step = right.

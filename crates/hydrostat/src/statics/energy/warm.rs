@@ -10,6 +10,8 @@ use crate::model::Command;
 const SMALLEST_TAIL: f64 = 1e-13;
 /// Part of the tolerance that the error of a mesh may have for the next solution to be found on it.
 const ROOM: f64 = 0.5;
+/// Steps that a solution nearby takes with factors that are worth to be kept.
+const QUICK: usize = 2;
 
 impl Search<'_> {
     /// The equilibrium at the full load nearest to the last solution; `changed` where more than the commands has changed. Returns the
@@ -32,6 +34,10 @@ impl Search<'_> {
             return (!self.strayed(&end)).then_some((end, f64::INFINITY));
         }
         let bend = self.bend_by_change();
+        let sweep = &mut self.energy.memory.sweep;
+        if same && sweep.moved > 0.5 * NEAR {
+            sweep.measure_moved();
+        }
         let begin = if bend > NEAR {
             Begin::Anew
         } else if same && bend == 0.0 {
@@ -41,7 +47,12 @@ impl Search<'_> {
         };
         let Energy { tables, coarse, memory, .. } = &mut *self.energy;
         let equations = Equations { robot: self.robot, chain: self.chain, tables, factor: 1.0 };
+        let before = self.iterations;
         let end = equations.newton(memory, coarse, target, begin, &mut self.iterations).ok()?;
+        if self.iterations - before > QUICK {
+            // the next solution nearby begins with new ones
+            memory.sweep.factored = None;
+        }
         if self.strayed(&end) {
             return None;
         }
