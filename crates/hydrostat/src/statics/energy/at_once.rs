@@ -94,7 +94,9 @@ impl Search<'_> {
 /// Sum of the given tensions of the tendons that are straight between the guides of a section.
 fn given_tension(robot: &Robot, section: usize) -> f64 {
     let given = |(tendon, command): (&Tendon, &Command)| match command {
-        Command::Tension { tension, .. } if tendon.ends >= section && tendon.routing == Routing::Guides => *tension,
+        Command::Tension { tension, .. } if tendon.ends >= section && tendon.routing == Routing::Guides => {
+            *tension
+        }
         _ => 0.0,
     };
     robot.tendons.iter().zip(&robot.actuation).map(given).sum()
@@ -113,7 +115,8 @@ fn in_channels(robot: &Robot) -> Robot {
             let gap = section.length / count;
             // a chord is on average curvature x gap^2 / 12 farther from the backbone than its holes
             let softer = given_tension(robot, number) * gap * gap / 12.0;
-            section.material.youngs_modulus *= 1.0 - (2.0 * softer / (bend.x + bend.y)).min(LARGEST_SOFTENING);
+            section.material.youngs_modulus *=
+                1.0 - (2.0 * softer / (bend.x + bend.y)).min(LARGEST_SOFTENING);
             // of their weight so much at the end that its centre stays
             let centre = guides.positions.iter().sum::<f64>() / count;
             let at_end = (2.0 * centre / section.length - 1.0).clamp(0.0, 1.0);

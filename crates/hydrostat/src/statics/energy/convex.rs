@@ -43,7 +43,8 @@ impl Sweep {
                 softening += 1.5 * gravity * hung * flexibility;
             }
         }
-        let of_chords = (0..mesh.gaps.len()).map(|gap| self.softening_by_chords(problem, mesh, gap, of_shear));
+        let of_chords =
+            (0..mesh.gaps.len()).map(|gap| self.softening_by_chords(problem, mesh, gap, of_shear));
         Some((1.0 - softening - of_chords.fold(0.0, larger)).min(OF_SHEAR))
     }
 

@@ -48,7 +48,8 @@ impl Carried {
 impl Sweep {
     /// The energy's gradient at the placed shape. Returns the largest in units of stiffness / length.
     pub(super) fn gradient(&mut self, problem: &Problem, mesh: &Mesh, gradient: &mut Column) -> f64 {
-        gradient.clear(mesh);
+        gradient.clear_but_nodes(mesh);
+        gradient.nodes.clear();
         self.locals.clear();
         self.pulled.resize_with(mesh.data.len(), Pulled::default);
         self.follow(problem, mesh);
@@ -71,7 +72,7 @@ impl Sweep {
                 &*pulled
             });
             let local = Local::new(data, pulled, shape, &acting);
-            gradient.nodes[node] = local.gradient(data, shape);
+            gradient.nodes.push(local.gradient(data, shape));
             self.locals.push(local);
         }
         let mut residual = 0.0;

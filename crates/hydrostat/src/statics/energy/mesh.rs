@@ -362,7 +362,8 @@ impl Mesh {
         panel: &Panel,
         row: &Row,
     ) -> (Vector3<f64>, Vector3<f64>, Vector3<f64>) {
-        let (mut turn, mut rate) = (row.bow * panel.length * panel.bow, row.bow_slope * panel.length * panel.bow);
+        let (mut turn, mut rate) =
+            (row.bow * panel.length * panel.bow, row.bow_slope * panel.length * panel.bow);
         let mut v = Vector3::zeros();
         for (j, node) in panel.nodes.clone().enumerate() {
             turn += row.value[j] * self.turn[node];

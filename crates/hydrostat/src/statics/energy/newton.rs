@@ -167,9 +167,9 @@ impl Equations<'_> {
             self.border(sweep, linear, drive, mesh);
         }
         let held = self.hold(sweep, linear, drive, mesh);
-        let bowing = mesh.bows.map_or(0.0, |moves| {
-            moves * mesh.find_bows(self.tables, &linear.downhill, &mut linear.bows)
-        });
+        let bowing = mesh
+            .bows
+            .map_or(0.0, |moves| moves * mesh.find_bows(self.tables, &linear.downhill, &mut linear.bows));
         Linearised {
             correction: larger(linear.step.size, held.change),
             bowing,

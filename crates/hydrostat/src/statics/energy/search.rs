@@ -1,7 +1,7 @@
 //! From the unloaded shape to the loaded one: at once or by load continuation, then finer meshes.
 
-use super::mesh::Layout;
 use super::bow::MOST_BOWED;
+use super::mesh::Layout;
 use super::newton::{Begin, Converged, Equations, Stuck};
 use super::{Energy, Memory, friction, tendons};
 use crate::model::Routing;
@@ -124,7 +124,16 @@ impl<'a> Search<'a> {
         chain: &'a Chain,
         settings: &'a Settings,
     ) -> Self {
-        Search { energy, robot, chain, settings, iterations: 0, left: f64::INFINITY, snapped_from: None, relaid: false }
+        Search {
+            energy,
+            robot,
+            chain,
+            settings,
+            iterations: 0,
+            left: f64::INFINITY,
+            snapped_from: None,
+            relaid: false,
+        }
     }
 
     fn run(&mut self, start: Start) -> Result<Found, Error> {

@@ -126,8 +126,13 @@ pub(super) struct Step {
 
 impl Column {
     pub(super) fn clear(&mut self, mesh: &Mesh) {
+        self.clear_but_nodes(mesh);
         self.nodes.clear();
         self.nodes.resize(mesh.data.len(), Form::default());
+    }
+
+    /// Leaves the forms of the nodes to be set.
+    pub(super) fn clear_but_nodes(&mut self, mesh: &Mesh) {
         self.cuts.clear();
         self.cuts.resize(mesh.panels.len() + 1, Vector3::zeros());
         self.gaps.clear();

@@ -68,7 +68,8 @@ impl Drive {
 
     /// Whether the held tendons are those of the robot.
     pub(super) fn is_of(&self, robot: &Robot) -> bool {
-        let held = |(i, command): (usize, &Command)| matches!(command, Command::Displacement { .. }).then_some(i);
+        let held =
+            |(i, command): (usize, &Command)| matches!(command, Command::Displacement { .. }).then_some(i);
         self.tensions.len() == robot.tendons.len()
             && robot.actuation.iter().enumerate().filter_map(held).eq(self.held.iter().copied())
     }

@@ -1,9 +1,11 @@
 //! Gradient and Hessian against differences of the energy.
 
 use super::mesh::{Layout, Mesh, Tables};
+use super::newton::{Begin, Equations};
 use super::sweep::{Column, Folded, Problem, Step, Sweep};
 use super::{Energy, tendons};
 use crate::Robot;
+use crate::description::parse_robot;
 use crate::model::{Command, Frame, Guides, Load, LoadKind, Motion, Path, Routing, Tendon};
 use crate::statics::chain::Chain;
 use crate::statics::rod::tests::tapered_rod;
@@ -193,15 +195,49 @@ fn the_tangent_of_followers_and_dead_moments_is_that_of_the_gradient() {
     }
 }
 
+/// Two points between guides see of the curvature what is constant and what grows: the bow is missing.
+#[test]
+fn bows_between_guides_stand_for_a_third_point() {
+    let text = include_str!("../../../../../robots/scr.toml");
+    let mut robot = parse_robot(text, "scr.toml").expect("is valid").value;
+    let length = robot.length();
+    for (i, pull) in [6.0, 2.0, 0.5].into_iter().enumerate() {
+        robot.actuation[i] = Command::Tension { tension: pull, motion: Motion::Pulled };
+    }
+    let with = |tolerance: f64| Settings { tolerance, eigenvalue: false, ..Settings::default() };
+    let exact = solve_in(&robot, &with(1e-11), &mut Workspace::default()).expect("has an answer");
+    let mut workspace = Workspace::default();
+    let found = solve_in(&robot, &with(1e-6), &mut workspace).expect("has an answer");
+    let off = |tip: &Vector3<f64>| (tip - exact.tip.position).norm() / length;
+    let Workspace { chain, energy: Energy { tables, coarse, memory, .. }, .. } = &mut workspace;
+    assert!(coarse.bows.is_some() && coarse.panels.iter().all(|panel| panel.nodes.len() == 2));
+    let (left, estimate) = (off(&found.tip.position), found.report.error_estimate / length);
+    assert!(left < 1e-7 && left < estimate && estimate < 1e-6, "{left} {estimate}");
+
+    coarse.bows = None;
+    let equations = Equations { robot: &robot, chain, tables, factor: 1.0 };
+    equations.newton(memory, coarse, 1e-9, Begin::Anew, &mut 0).expect("converges");
+    let without = off(&coarse.positions[coarse.panels.len()]);
+    assert!(without > 30.0 * left, "{without} {left}");
+}
+
 /// Forces that push the tip along the base, up to nearly what buckles a rod of stiffness 1; the bound is sure of the first alone.
 const PUSHES: [f64; 5] = [0.02, 0.2, 0.5, 1.0, 2.0];
 
 #[test]
 fn the_bound_of_convexity_is_below_the_smallest_eigenvalue() {
-    for routed in [&[][..], &[Routing::Channel; 2]] {
+    for routed in
+        [&[][..], &[Routing::Channel; 2], &[Routing::Guides; 2], &[Routing::Guides, Routing::Channel]]
+    {
         let bounds = PUSHES.map(|push| {
             let mut robot = robot(routed);
             robot.gravity *= push;
+            if robot.tendons.iter().any(|tendon| tendon.routing == Routing::Guides) {
+                // where they go straight tendons bend the robot towards themselves
+                for command in &mut robot.actuation {
+                    *command = Command::Tension { tension: 0.05 * push, motion: Motion::Pulled };
+                }
+            }
             let force = -push * robot.base.rotation.matrix().column(2);
             let kind =
                 LoadKind::Point { at: robot.length(), force, moment: Vector3::zeros(), frame: Frame::World };
@@ -212,7 +248,7 @@ fn the_bound_of_convexity_is_below_the_smallest_eigenvalue() {
             let Workspace { chain, energy: Energy { tables, coarse, memory, .. }, .. } = &workspace;
             let tensions = &memory.drive.tensions;
             let problem = Problem { chain, tables, factor: 1.0, gravity: robot.gravity, tensions };
-            let bound = memory.sweep.curvature_bound(&problem, coarse).expect("has an energy and no chords");
+            let bound = memory.sweep.curvature_bound(&problem, coarse).expect("has an energy");
             assert!(bound <= eigenvalue, "{push}: {bound} {eigenvalue}");
             bound
         });
