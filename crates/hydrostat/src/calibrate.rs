@@ -184,8 +184,8 @@ pub fn calibrate_watched(
     let experiment = &problem.experiment;
     let mut fit = Fit::new(problem, settings)?;
     let start = fit.variables(&fit.start);
-    let before = fit.points(&fit.start.clone())?;
     let first = fit.evaluate(&start, 1.0)?;
+    let before = fit.points_at(&start)?;
     refuse_without_influence(problem, &fit, &first.jacobian)?;
 
     // errors are as stated until chi-square refutes them; priors and robust loss then weigh against larger ones
@@ -217,7 +217,7 @@ pub fn calibrate_watched(
     let at = fit.evaluate(&minimum.x, error_scale)?;
     let statistics = Statistics::new(problem, &at, &minimum.held, error_scale);
 
-    let after = fit.points(&values)?;
+    let after = fit.points_at(&minimum.x)?;
     let rows: Vec<CalibratedRow> = experiment
         .rows
         .iter()

@@ -7,7 +7,7 @@ use crate::Error;
 use crate::numeric::least_squares::{self, Evaluation, Minimum};
 use crate::statics::{self, Workspace};
 use crate::verify::Experiment;
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -36,6 +36,17 @@ pub(super) struct Fit<'a> {
     /// What the watcher is told.
     pub(super) stage: String,
     evaluations: usize,
+    /// Where it was evaluated last.
+    last: Option<Evaluated>,
+}
+
+/// Everything at one place, with reading errors as stated.
+#[derive(Clone)]
+struct Evaluated {
+    x: DVector<f64>,
+    at: Evaluation,
+    /// (rows x points), bench axes; no points of rows that weigh nothing.
+    points: Points,
 }
 
 impl<'a> Fit<'a> {
@@ -59,8 +70,8 @@ impl<'a> Fit<'a> {
         let tolerance = settings.tolerance.min(wanted);
         let settings = statics::Settings { stations: 0, eigenvalue: false, tolerance, ..settings.clone() };
         let workspaces = vec![Workspace::default(); experiment.rows.len()];
-        let (stage, evaluations) = ("fit".to_owned(), 0);
-        Ok(Fit { problem, base, start, scale, settings, workspaces, ignored: 0..0, stage, evaluations })
+        let (stage, evaluations, last) = ("fit".to_owned(), 0, None);
+        Ok(Fit { problem, base, start, scale, settings, workspaces, ignored: 0..0, stage, evaluations, last })
     }
 
     /// In SI, of variables in units of their scale.
@@ -75,14 +86,33 @@ impl<'a> Fit<'a> {
         )
     }
 
-    /// Residuals over reading errors of every coordinate, then of the priors; theory (44).
+    /// Residuals over reading errors, so many times as large as stated, of every coordinate, then of the priors; theory (44).
     pub(super) fn evaluate(&mut self, x: &DVector<f64>, error_scale: f64) -> Result<Evaluation, Error> {
+        let mut at = self.evaluated(x)?.at.clone();
+        let measured = self.problem.coordinates();
+        at.residuals.rows_mut(0, measured).unscale_mut(error_scale);
+        at.jacobian.rows_mut(0, measured).unscale_mut(error_scale);
+        Ok(at)
+    }
+
+    /// Points of every row there, bench axes.
+    pub(super) fn points_at(&mut self, x: &DVector<f64>) -> Result<Points, Error> {
+        self.evaluated(x).map(|found| found.points.clone())
+    }
+
+    /// Solves and differentiates every row, unless that was what it did last.
+    fn evaluated(&mut self, x: &DVector<f64>) -> Result<&Evaluated, Error> {
+        let known = self.last.take().filter(|last| last.x == *x);
+        let found = known.map_or_else(|| self.solve(x), Ok)?;
+        Ok(self.last.insert(found))
+    }
+
+    fn solve(&mut self, x: &DVector<f64>) -> Result<Evaluated, Error> {
         let values = self.values(x);
-        let Fit { problem, base, scale, settings, workspaces, .. } = self;
-        let (experiment, parameters) = (&problem.experiment, &problem.parameters);
-        let trial = Trial::new(experiment, parameters, base, &values, scale);
+        let Fit { problem, base, scale, settings, workspaces, ignored, .. } = self;
+        let experiment = &problem.experiment;
+        let trial = Trial::new(experiment, &problem.parameters, base, &values, scale);
         let rows = workspaces.par_iter_mut().enumerate();
-        let ignored = self.ignored.clone();
         let predicted = rows.map(|(row, workspace)| {
             let predict =
                 || trial.row(row, settings, workspace).map_err(|error| in_row(experiment, row, error));
@@ -91,23 +121,30 @@ impl<'a> Fit<'a> {
         // all of them, so that the first error is that of the first row
         let predicted: Vec<_> = predicted.collect();
         let predicted = predicted.into_iter().collect::<Result<Vec<Option<Predicted>>, Error>>()?;
+        self.evaluations += 1;
+        let at = self.compared(&predicted, &values);
+        let points = predicted.into_iter().map(|row| row.map(|row| row.points).unwrap_or_default());
+        Ok(Evaluated { x: x.clone(), at, points: points.collect() })
+    }
 
+    /// Predictions against readings and values against priors.
+    fn compared(&self, predicted: &[Option<Predicted>], values: &[f64]) -> Evaluation {
+        let Problem { experiment, parameters, .. } = self.problem;
         let priors = parameters.iter().filter(|parameter| parameter.prior.is_some()).count();
-        let coordinates = problem.coordinates();
+        let coordinates = self.problem.coordinates();
         let mut residuals = DVector::zeros(coordinates + priors);
         let mut jacobian = DMatrix::zeros(coordinates + priors, parameters.len());
         let mut k = 0;
-        for (row, predicted) in experiment.rows.iter().zip(&predicted) {
+        for (row, predicted) in experiment.rows.iter().zip(predicted) {
             let Some(predicted) = predicted else {
                 k += coordinates / experiment.rows.len();
                 continue;
             };
             for (i, point) in experiment.points.iter().enumerate() {
-                let error = point.reading_error * error_scale;
                 for &axis in &point.axes {
-                    residuals[k] = (predicted.points[i][axis] - row.observed[i][axis]) / error;
+                    residuals[k] = (predicted.points[i][axis] - row.observed[i][axis]) / point.reading_error;
                     for j in 0..parameters.len() {
-                        jacobian[(k, j)] = predicted.derivatives[j][i][axis] / error;
+                        jacobian[(k, j)] = predicted.derivatives[j][i][axis] / point.reading_error;
                     }
                     k += 1;
                 }
@@ -116,12 +153,11 @@ impl<'a> Fit<'a> {
         for (j, parameter) in parameters.iter().enumerate() {
             if let Some(prior) = parameter.prior {
                 residuals[k] = (values[j] - prior.value) / prior.standard_error;
-                jacobian[(k, j)] = scale[j] / prior.standard_error;
+                jacobian[(k, j)] = self.scale[j] / prior.standard_error;
                 k += 1;
             }
         }
-        self.evaluations += 1;
-        Ok(Evaluation { residuals, jacobian })
+        Evaluation { residuals, jacobian }
     }
 
     /// No residuals, with given derivatives, SI (coordinates x parameters), and those of the priors.
@@ -170,7 +206,7 @@ impl<'a> Fit<'a> {
     }
 
     /// Points of every row with these values, bench axes.
-    pub(super) fn points(&mut self, values: &[f64]) -> Result<Vec<Vec<Vector3<f64>>>, Error> {
+    pub(super) fn points(&mut self, values: &[f64]) -> Result<Points, Error> {
         let setup = self.base.with(&self.problem.parameters, values);
         let experiment = &self.problem.experiment;
         let (mounted, acting) = (setup.mounted(experiment), setup.acting(experiment));
