@@ -19,6 +19,10 @@ const FINEST: f64 = 1e-10;
 const CONVERGED: f64 = 1e-10;
 /// A cost, in squares of reading errors, that nobody sees.
 const NEGLIGIBLE: f64 = 1e-12;
+/// Factor by which a step may change what must stay above 0: derivatives tell nothing of a rod without stiffness.
+const MOST_GROWTH: f64 = 4.0;
+/// Trial values without equilibrium after which a fit gives up.
+const MOST_FAILURES: usize = 30;
 
 /// A problem with what its solution needs again and again.
 #[derive(Clone)]
@@ -109,7 +113,7 @@ impl<'a> Fit<'a> {
 
     fn solve(&mut self, x: &DVector<f64>) -> Result<Evaluated, Error> {
         let values = self.values(x);
-        let Fit { problem, base, scale, settings, workspaces, ignored, .. } = self;
+        let Fit { problem, base, scale, settings, workspaces, ignored, evaluations, .. } = self;
         let experiment = &problem.experiment;
         let trial = Trial::new(experiment, &problem.parameters, base, &values, scale);
         let rows = workspaces.par_iter_mut().enumerate();
@@ -118,9 +122,14 @@ impl<'a> Fit<'a> {
                 || trial.row(row, settings, workspace).map_err(|error| in_row(experiment, row, error));
             (!ignored.contains(&row)).then(predict).transpose()
         });
-        // all of them, so that the first error is that of the first row
-        let predicted: Vec<_> = predicted.collect();
-        let predicted = predicted.into_iter().collect::<Result<Vec<Option<Predicted>>, Error>>()?;
+        let predicted: Vec<Option<Predicted>> = if *evaluations == 0 {
+            // all of them, so that the first error is that of the first row
+            let all: Vec<_> = predicted.collect();
+            all.into_iter().collect::<Result<_, Error>>()?
+        } else {
+            // a trial: one row without equilibrium refuses it
+            predicted.collect::<Result<_, Error>>()?
+        };
         self.evaluations += 1;
         let at = self.compared(&predicted, &values);
         let points = predicted.into_iter().map(|row| row.map(|row| row.points).unwrap_or_default());
@@ -161,11 +170,13 @@ impl<'a> Fit<'a> {
     }
 
     /// No residuals, with given derivatives, SI (coordinates x parameters), and those of the priors.
-    pub(super) fn exact(&self, jacobian: &DMatrix<f64>) -> Evaluation {
+    pub(super) fn exact(&self, jacobian: &DMatrix<f64>, error_scale: f64) -> Evaluation {
         let points = &self.problem.experiment.points;
         let per_row: Vec<f64> =
             points.iter().flat_map(|point| point.axes.iter().map(|_| point.reading_error)).collect();
-        let scaled = |k: usize, j: usize| jacobian[(k, j)] * self.scale[j] / per_row[k % per_row.len()];
+        let scaled = |k: usize, j: usize| {
+            jacobian[(k, j)] * self.scale[j] / (per_row[k % per_row.len()] * error_scale)
+        };
         let measured = DMatrix::from_fn(jacobian.nrows(), self.scale.len(), scaled);
         let priors: Vec<(usize, f64)> = (0..self.scale.len())
             .filter_map(|j| Some((j, self.scale[j] / self.problem.parameters[j].prior?.standard_error)))
@@ -192,8 +203,13 @@ impl<'a> Fit<'a> {
             Loss::Squares => least_squares::Loss::Squares,
             Loss::Huber => least_squares::Loss::Huber { threshold: super::HUBER_THRESHOLD },
         };
-        let settings =
-            least_squares::Settings { tolerance: CONVERGED, negligible: NEGLIGIBLE, ..Default::default() };
+        let settings = least_squares::Settings {
+            tolerance: CONVERGED,
+            negligible: NEGLIGIBLE,
+            most_growth: MOST_GROWTH,
+            most_failures: MOST_FAILURES,
+            ..Default::default()
+        };
         let per_row = self.problem.coordinates() / self.problem.experiment.rows.len();
         let unseen = self.ignored.len() * per_row;
         least_squares::minimize(from, &bounds, loss, &settings, &mut |x| {

@@ -1,7 +1,7 @@
 //! Fits from several starts, and of parts of the rows.
 
 use super::fit::Fit;
-use super::{LEAST_INFLUENCE, Loss, Parameter, Problem, Progress, verdict};
+use super::{LEAST_INFLUENCE, Loss, Parameter, Problem, Progress, plausible};
 use crate::Error;
 use crate::numeric::least_squares::Minimum;
 use crate::statics::Settings;
@@ -88,7 +88,7 @@ fn start_of(parameter: &Parameter, value: f64, scale: f64, part: f64) -> f64 {
         }
         None if parameter.bounded => low + part * (high - low),
         None if low >= 0.0 && value > 0.0 => {
-            value * (1.0 + verdict::tolerated(&parameter.parts[0]).unwrap_or(SPREAD)).powf(side)
+            value * (1.0 + plausible::tolerated(&parameter.parts[0]).unwrap_or(SPREAD)).powf(side)
         }
         None => value + SPREAD_OF_SIGNED * scale * side,
     };

@@ -1,0 +1,144 @@
+//! Whether a unit is wrong: with what power of ten the robot of the files explains at once what no fit should have to.
+
+use super::fit::Fit;
+use super::{Calibration, Problem, plausible};
+use crate::Error;
+use crate::statics::Settings;
+use crate::verify::{Experiment, Varied};
+
+/// Part of the length from which a mean error makes a fit doubtful, and below which one is explained.
+const EXPLAINED: f64 = 0.05;
+/// Part of the error as it stands that a wrong unit must explain; times the fitted error that it may leave.
+const BETTER: f64 = 0.2;
+const AS_GOOD: f64 = 2.0;
+/// A load of another unit than said. A factor of ten would be one of stiffness as well.
+const OF_LOADS: [f64; 2] = [1e3, 1e-3];
+/// A place of another unit than said: m, cm, mm, um and inches.
+const OF_READINGS: [f64; 8] = [1e3, 1e-3, 1e2, 1e-2, 10.0, 0.1, 25.4, 1.0 / 25.4];
+/// Rows that are asked.
+const ROWS: usize = 20;
+
+/// An error where a fit is doubtful or has failed, and a wrong unit explains what was measured without any.
+pub(super) fn mistaken(problem: &Problem, settings: &Settings, found: Option<&Calibration>) -> Option<Error> {
+    let doubtful = |found: &Calibration| {
+        found.after.mean_fraction > EXPLAINED
+            || found.parameters.iter().any(|estimate| plausible::unphysical(problem, estimate).is_some())
+    };
+    if !found.is_none_or(doubtful) {
+        return None;
+    }
+    let few = few_rows(problem);
+    let as_stated = error(&few, settings, 1.0);
+    let kinds = [
+        |of: &Varied| matches!(of, Varied::HungMass { .. }),
+        |of: &Varied| matches!(of, Varied::Force { .. } | Varied::Tension { .. }),
+        |of: &Varied| matches!(of, Varied::Displacement { .. }),
+    ];
+    let mut tried: Vec<(f64, String, f64)> = Vec::new();
+    for kind in kinds {
+        let inputs: Vec<usize> =
+            (0..few.experiment.inputs.len()).filter(|&i| kind(&few.experiment.inputs[i].quantity)).collect();
+        for factor in OF_LOADS.into_iter().filter(|_| !inputs.is_empty()) {
+            tried.push((loaded(&few, &inputs, factor, settings), columns(&few.experiment, &inputs), factor));
+        }
+    }
+    for factor in OF_READINGS {
+        tried.push((error(&few, settings, factor), "the measured coordinates".to_owned(), factor));
+    }
+    let (left, what, factor) = tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let explains = left < EXPLAINED
+        && left < BETTER * as_stated
+        && found.is_none_or(|found| left < AS_GOOD * found.after.mean_fraction);
+    explains.then(|| refusal(problem, as_stated, left, &what, factor, found))
+}
+
+fn refusal(
+    problem: &Problem,
+    as_stated: f64,
+    left: f64,
+    what: &str,
+    factor: f64,
+    found: Option<&Calibration>,
+) -> Error {
+    let mm = |part: f64| format!("{:.1} mm", 1e3 * part * problem.experiment.robot.length());
+    let before =
+        if as_stated.is_finite() { format!("{} as it stands", mm(as_stated)) } else { "no shape".to_owned() };
+    let after = found.map(|found| {
+        let values: Vec<String> = found
+            .parameters
+            .iter()
+            .map(|estimate| {
+                format!("{} = {}", estimate.parameter.name, estimate.parameter.show(estimate.value, None))
+            })
+            .collect();
+        format!("; to fit it takes {} and leaves {}", values.join(", "), mm(found.after.mean_fraction))
+    });
+    let factor = if factor > 1.0 {
+        format!("multiplied by {factor}")
+    } else {
+        format!("divided by {}", (1.0 / factor * 10.0).round() / 10.0)
+    };
+    Error::new(format!(
+        "a unit is wrong: with {what} {factor} the robot of the files errs by {} on average, against {before}{}",
+        mm(left),
+        after.unwrap_or_default()
+    ))
+    .hint(
+        "check the unit in the header of the table, or under [[vary]] and [[measure]]; if it is right, a value of the robot file is as \
+         wrong: correct that",
+    )
+}
+
+fn columns(experiment: &Experiment, inputs: &[usize]) -> String {
+    let names: Vec<String> = inputs
+        .iter()
+        .map(|&i| &experiment.inputs[i])
+        .map(|input| format!("{} [{}]", input.column, input.unit.0))
+        .collect();
+    match &names[..] {
+        [one] => format!("the column {one}"),
+        [first, rest @ ..] => format!("the column {first} and {} like it", rest.len()),
+        [] => String::new(),
+    }
+}
+
+/// Rows from all over the table.
+fn few_rows(problem: &Problem) -> Problem {
+    let mut few = problem.clone();
+    let rows = &problem.experiment.rows;
+    few.experiment.rows = rows.iter().step_by(rows.len().div_ceil(ROWS)).cloned().collect();
+    few.holdout.clear();
+    few
+}
+
+/// Mean error of the files' values over the length, with readings so many times as large; without end where there is no shape.
+fn error(problem: &Problem, settings: &Settings, readings: f64) -> f64 {
+    let experiment = &problem.experiment;
+    let points = Fit::new(problem, settings).and_then(|mut fit| {
+        let start = fit.start.clone();
+        fit.points(&start)
+    });
+    let Ok(points) = points else { return f64::INFINITY };
+    let errors = experiment.rows.iter().zip(&points).flat_map(|(row, points)| {
+        let mut row = row.clone();
+        row.observed.iter_mut().for_each(|observed| *observed *= readings);
+        experiment.differences(&row, points)
+    });
+    experiment.summary(experiment.robot.length(), errors).mean_fraction
+}
+
+/// The same with these inputs so many times as large.
+fn loaded(problem: &Problem, inputs: &[usize], factor: f64, settings: &Settings) -> f64 {
+    let mut other = problem.clone();
+    let length = other.experiment.robot.length();
+    for row in &mut other.experiment.rows {
+        for &i in inputs {
+            row.inputs[i] *= factor;
+            let pulled = matches!(problem.experiment.inputs[i].quantity, Varied::Displacement { .. });
+            if pulled && row.inputs[i].abs() > length {
+                return f64::INFINITY;
+            }
+        }
+    }
+    error(&other, settings, 1.0)
+}
