@@ -33,9 +33,9 @@ pub(super) fn alike(experiment: &Experiment, rows: &[CalibratedRow]) -> Option<A
         }
         _ => "the order of the rows".to_owned(),
     };
-    let residuals: Vec<Vec<f64>> = order.iter().map(|row| in_reading_errors(experiment, row)).collect();
-    let correlation = correlation(&residuals);
-    Some(Alike { along, chance: chance(residuals), correlation })
+    let residuals: Vec<f64> = order.iter().flat_map(|row| in_reading_errors(experiment, row)).collect();
+    let residuals = Residuals { width: residuals.len() / order.len(), all: residuals };
+    Some(Alike { along, chance: residuals.chance(), correlation: residuals.correlation() })
 }
 
 fn in_reading_errors(experiment: &Experiment, row: &CalibratedRow) -> Vec<f64> {
@@ -48,32 +48,55 @@ fn in_reading_errors(experiment: &Experiment, row: &CalibratedRow) -> Vec<f64> {
         .collect()
 }
 
-fn likeness(residuals: &[Vec<f64>]) -> f64 {
-    let pairs = residuals.windows(2);
-    pairs.map(|pair| pair[0].iter().zip(&pair[1]).map(|(a, b)| a * b).sum::<f64>()).sum()
+/// Of ordered rows, one after the other.
+struct Residuals {
+    all: Vec<f64>,
+    /// Of a row.
+    width: usize,
 }
 
-fn correlation(residuals: &[Vec<f64>]) -> f64 {
-    let squares: f64 = residuals.iter().flatten().map(|r| r * r).sum();
-    likeness(residuals) / squares.max(f64::MIN_POSITIVE)
-}
-
-fn chance(mut residuals: Vec<Vec<f64>>) -> f64 {
-    let found = likeness(&residuals);
-    // the same orders at every run (Knuth's MMIX)
-    let mut state = 1_u64;
-    let mut below = |n: usize| {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        ((state >> 33) as usize * n) >> 31
-    };
-    let mut as_much = 1;
-    for _ in 0..ORDERS {
-        for i in (1..residuals.len()).rev() {
-            residuals.swap(i, below(i + 1));
-        }
-        as_much += usize::from(likeness(&residuals) >= found);
+impl Residuals {
+    fn rows(&self) -> Vec<usize> {
+        (0..self.all.len() / self.width).collect()
     }
-    as_much as f64 / (ORDERS + 1) as f64
+
+    /// Sum over rows that are next to each other in an order, theory (50).
+    fn likeness(&self, order: &[usize]) -> f64 {
+        let mut sum = 0.0;
+        for pair in order.windows(2) {
+            let [a, b] = [pair[0], pair[1]].map(|row| &self.all[row * self.width..][..self.width]);
+            let mut product = 0.0;
+            for (a, b) in a.iter().zip(b) {
+                product += a * b;
+            }
+            sum += product;
+        }
+        sum
+    }
+
+    fn correlation(&self) -> f64 {
+        let squares: f64 = self.all.iter().map(|r| r * r).sum();
+        self.likeness(&self.rows()) / squares.max(f64::MIN_POSITIVE)
+    }
+
+    fn chance(&self) -> f64 {
+        let mut order = self.rows();
+        let found = self.likeness(&order);
+        // the same orders at every run (Knuth's MMIX)
+        let mut state = 1_u64;
+        let mut below = |n: usize| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            ((state >> 33) as usize * n) >> 31
+        };
+        let mut as_much = 1;
+        for _ in 0..ORDERS {
+            for i in (1..order.len()).rev() {
+                order.swap(i, below(i + 1));
+            }
+            as_much += usize::from(self.likeness(&order) >= found);
+        }
+        as_much as f64 / (ORDERS + 1) as f64
+    }
 }
 
 #[cfg(test)]
@@ -93,7 +116,7 @@ mod tests {
                 }
             }
         }
-        let found = chance(values.iter().map(|value| vec![*value]).collect());
+        let found = Residuals { all: values.to_vec(), width: 1 }.chance();
         assert!((found - as_much as f64 / 24.0).abs() < 0.015, "{found} {as_much}");
     }
 }

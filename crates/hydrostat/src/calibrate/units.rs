@@ -1,7 +1,7 @@
 //! Whether a unit is wrong: with what power of ten the robot of the files explains at once what no fit should have to.
 
 use super::fit::Fit;
-use super::{Calibration, Problem, plausible};
+use super::{Calibration, Points, Problem, plausible};
 use crate::Error;
 use crate::statics::Settings;
 use crate::verify::{Experiment, Varied};
@@ -17,6 +17,8 @@ const OF_LOADS: [f64; 2] = [1e3, 1e-3];
 const OF_READINGS: [f64; 8] = [1e3, 1e-3, 1e2, 1e-2, 10.0, 0.1, 25.4, 1.0 / 25.4];
 /// Rows that are asked.
 const ROWS: usize = 20;
+/// Loads, in bending stiffness over squares of the length, that are large already: nobody means a thousand times as much.
+const LARGE: f64 = 20.0;
 
 /// An error where a fit is doubtful or has failed, and a wrong unit explains what was measured without any.
 pub(super) fn mistaken(problem: &Problem, settings: &Settings, found: Option<&Calibration>) -> Option<Error> {
@@ -28,7 +30,8 @@ pub(super) fn mistaken(problem: &Problem, settings: &Settings, found: Option<&Ca
         return None;
     }
     let few = few_rows(problem);
-    let as_stated = error(&few, settings, 1.0);
+    let points = predicted(&few, settings);
+    let as_stated = error(&few.experiment, points.as_ref(), 1.0);
     let kinds = [
         |of: &Varied| matches!(of, Varied::HungMass { .. }),
         |of: &Varied| matches!(of, Varied::Force { .. } | Varied::Tension { .. }),
@@ -43,7 +46,8 @@ pub(super) fn mistaken(problem: &Problem, settings: &Settings, found: Option<&Ca
         }
     }
     for factor in OF_READINGS {
-        tried.push((error(&few, settings, factor), "the measured coordinates".to_owned(), factor));
+        let left = error(&few.experiment, points.as_ref(), factor);
+        tried.push((left, "the measured coordinates".to_owned(), factor));
     }
     let (left, what, factor) = tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
     let explains = left < EXPLAINED
@@ -111,15 +115,17 @@ fn few_rows(problem: &Problem) -> Problem {
     few
 }
 
-/// Mean error of the files' values over the length, with readings so many times as large; without end where there is no shape.
-fn error(problem: &Problem, settings: &Settings, readings: f64) -> f64 {
-    let experiment = &problem.experiment;
-    let points = Fit::new(problem, settings).and_then(|mut fit| {
-        let start = fit.start.clone();
-        fit.points(&start)
-    });
-    let Ok(points) = points else { return f64::INFINITY };
-    let errors = experiment.rows.iter().zip(&points).flat_map(|(row, points)| {
+/// Points with the files' values; None where there is no shape.
+fn predicted(problem: &Problem, settings: &Settings) -> Option<Points> {
+    let mut fit = Fit::new(problem, settings).ok()?;
+    let start = fit.start.clone();
+    fit.points(&start).ok()
+}
+
+/// Mean error over the length, with readings so many times as large; without end where there is no shape.
+fn error(experiment: &Experiment, points: Option<&Points>, readings: f64) -> f64 {
+    let Some(points) = points else { return f64::INFINITY };
+    let errors = experiment.rows.iter().zip(points).flat_map(|(row, points)| {
         let mut row = row.clone();
         row.observed.iter_mut().for_each(|observed| *observed *= readings);
         experiment.differences(&row, points)
@@ -127,18 +133,26 @@ fn error(problem: &Problem, settings: &Settings, readings: f64) -> f64 {
     experiment.summary(experiment.robot.length(), errors).mean_fraction
 }
 
-/// The same with these inputs so many times as large.
+/// The same with these inputs so many times as large; without end where they are too large to ask.
 fn loaded(problem: &Problem, inputs: &[usize], factor: f64, settings: &Settings) -> f64 {
     let mut other = problem.clone();
-    let length = other.experiment.robot.length();
-    for row in &mut other.experiment.rows {
+    let Experiment { robot, rows, .. } = &mut other.experiment;
+    let length = robot.length();
+    let bending = robot.sections.iter().map(|section| section.stiffness(0.0).1);
+    let softest = bending.map(|bending| bending[0].min(bending[1])).fold(f64::INFINITY, f64::min);
+    for row in rows {
         for &i in inputs {
-            row.inputs[i] *= factor;
-            let pulled = matches!(problem.experiment.inputs[i].quantity, Varied::Displacement { .. });
-            if pulled && row.inputs[i].abs() > length {
+            let value = row.inputs[i].abs();
+            let asked = match problem.experiment.inputs[i].quantity {
+                Varied::Displacement { .. } => value * factor / length,
+                Varied::HungMass { .. } => value * robot.gravity.norm() * length.powi(2) / softest / LARGE,
+                _ => value * length.powi(2) / softest / LARGE,
+            };
+            if factor > 1.0 && asked > 1.0 {
                 return f64::INFINITY;
             }
+            row.inputs[i] *= factor;
         }
     }
-    error(&other, settings, 1.0)
+    error(&problem.experiment, predicted(&other, settings).as_ref(), 1.0)
 }
