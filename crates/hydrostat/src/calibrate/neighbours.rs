@@ -33,8 +33,9 @@ pub(super) fn alike(experiment: &Experiment, rows: &[CalibratedRow]) -> Option<A
         }
         _ => "the order of the rows".to_owned(),
     };
-    let residuals: Vec<f64> = order.iter().flat_map(|row| in_reading_errors(experiment, row)).collect();
-    let residuals = Residuals { width: residuals.len() / order.len(), all: residuals };
+    let rows: Vec<Vec<f64>> = order.iter().map(|row| in_reading_errors(experiment, row)).collect();
+    let column = |k: usize| rows.iter().map(|row| row[k]).collect();
+    let residuals = Residuals { columns: (0..rows[0].len()).map(column).collect() };
     Some(Alike { along, chance: residuals.chance(), correlation: residuals.correlation() })
 }
 
@@ -48,40 +49,43 @@ fn in_reading_errors(experiment: &Experiment, row: &CalibratedRow) -> Vec<f64> {
         .collect()
 }
 
-/// Of ordered rows, one after the other.
+/// In reading errors, (coordinates x rows).
 struct Residuals {
-    all: Vec<f64>,
-    /// Of a row.
-    width: usize,
+    columns: Vec<Vec<f64>>,
 }
+
+/// Part of the squares by which rounding may tell equal sums apart.
+const ROUNDING: f64 = 1e-12;
 
 impl Residuals {
     fn rows(&self) -> Vec<usize> {
-        (0..self.all.len() / self.width).collect()
+        (0..self.columns.first().map_or(0, Vec::len)).collect()
+    }
+
+    fn squares(&self) -> f64 {
+        self.columns.iter().flatten().map(|r| r * r).sum()
     }
 
     /// Sum over rows that are next to each other in an order, theory (50).
     fn likeness(&self, order: &[usize]) -> f64 {
         let mut sum = 0.0;
-        for pair in order.windows(2) {
-            let [a, b] = [pair[0], pair[1]].map(|row| &self.all[row * self.width..][..self.width]);
-            let mut product = 0.0;
-            for (a, b) in a.iter().zip(b) {
-                product += a * b;
+        for column in &self.columns {
+            let mut last = 0.0;
+            for &row in order {
+                sum += last * column[row];
+                last = column[row];
             }
-            sum += product;
         }
         sum
     }
 
     fn correlation(&self) -> f64 {
-        let squares: f64 = self.all.iter().map(|r| r * r).sum();
-        self.likeness(&self.rows()) / squares.max(f64::MIN_POSITIVE)
+        self.likeness(&self.rows()) / self.squares().max(f64::MIN_POSITIVE)
     }
 
     fn chance(&self) -> f64 {
         let mut order = self.rows();
-        let found = self.likeness(&order);
+        let found = self.likeness(&order) - ROUNDING * self.squares();
         // the same orders at every run (Knuth's MMIX)
         let mut state = 1_u64;
         let mut below = |n: usize| {
@@ -116,7 +120,7 @@ mod tests {
                 }
             }
         }
-        let found = Residuals { all: values.to_vec(), width: 1 }.chance();
+        let found = Residuals { columns: vec![values.to_vec()] }.chance();
         assert!((found - as_much as f64 / 24.0).abs() < 0.015, "{found} {as_much}");
     }
 }

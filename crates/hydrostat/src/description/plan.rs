@@ -132,9 +132,7 @@ fn limit(experiment: &Experiment, name: &str, text: &str) -> Result<Limit, Error
 /// Two values with `to` between them, or several with commas.
 fn choice(text: &str, kind: &Kind) -> Result<Choice, Error> {
     let Some((low, high)) = text.split_once(" to ") else {
-        let values = text.split(',').map(|value| quantity::scalar(value, kind));
-        let mut values = values.collect::<Result<Vec<f64>, Error>>()?;
-        if values.len() < 2 {
+        if !text.contains(',') {
             return Err(Error::new(format!(
                 "found {}, expected two values, such as \"{} to {}\", or a list of them with commas",
                 quoted(text.trim()),
@@ -142,6 +140,8 @@ fn choice(text: &str, kind: &Kind) -> Result<Choice, Error> {
                 kind.example
             )));
         }
+        let values = text.split(',').map(|value| quantity::scalar(value, kind));
+        let mut values = values.collect::<Result<Vec<f64>, Error>>()?;
         values.sort_by(f64::total_cmp);
         values.dedup();
         return Ok(Choice::Values(values));
