@@ -338,17 +338,15 @@ impl Experiment {
     }
 
     /// The inputs that vary from row to row, with four digits.
-    pub(crate) fn varied_inputs_of(&self, row: &Row) -> String {
+    pub(crate) fn varied_inputs_of(&self, row: &Row) -> Vec<String> {
         let inputs = self.inputs.iter().enumerate();
         let varied = inputs.filter(|(i, _)| self.rows.iter().any(|other| other.inputs[*i] != row.inputs[*i]));
-        let texts: Vec<String> = varied
-            .map(|(i, input)| {
-                let value = row.inputs[i] / input.unit.1;
-                let rounded = format!("{value:.3e}").parse().unwrap_or(value);
-                format!("{} {rounded} {}", input.column, input.unit.0)
-            })
-            .collect();
-        texts.join(", ")
+        let texts = varied.map(|(i, input)| {
+            let value = row.inputs[i] / input.unit.1;
+            let rounded = format!("{value:.3e}").parse().unwrap_or(value);
+            format!("{} {rounded} {}", input.column, input.unit.0)
+        });
+        texts.collect()
     }
 
     /// Predicted points of every row, bench axes.

@@ -4,6 +4,8 @@ use super::{Loss, Problem};
 
 /// Groups that are named one by one.
 const NAMED: usize = 10;
+/// Inputs that a reader takes in; of more, the number of the row is enough.
+const MOST_INPUTS: usize = 4;
 
 /// A coordinate that lies off.
 struct Outlier {
@@ -47,27 +49,29 @@ pub(super) fn sentences(problem: &Problem, found: &[(usize, f64)]) -> Vec<String
 fn sentence(problem: &Problem, group: &[Outlier]) -> String {
     let experiment = &problem.experiment;
     let largest = group.iter().max_by(|a, b| a.off.total_cmp(&b.off)).expect("a group has an outlier");
-    let row = |number: usize| {
-        let inputs = experiment.varied_inputs_of(&experiment.rows[number]);
-        if inputs.is_empty() {
-            format!("row {}", number + 1)
-        } else {
-            format!("row {} ({inputs})", number + 1)
+    let row = |number: usize| match experiment.varied_inputs_of(&experiment.rows[number]) {
+        inputs if (1..=MOST_INPUTS).contains(&inputs.len()) => {
+            format!("row {} ({})", number + 1, inputs.join(", "))
         }
+        _ => format!("row {}", number + 1),
     };
     let (axis, at) = (["x", "y", "z"][largest.axis], 1e3 * experiment.points[largest.point].at);
     let off = format!("{axis} of the point at {at:.0} mm lies {:.1} standard errors off", largest.off);
     let (first, last) = (group[0].row, group[group.len() - 1].row);
-    let advice = match problem.loss {
-        Loss::Squares => "fit with --loss huber",
-        Loss::Huber => "trust that they pull little here",
-    };
     if first == last {
-        return format!("{}: {off} and looks like an outlier; check it, or {advice}.", row(first));
+        let advice = match problem.loss {
+            Loss::Squares => "check it, or fit with --loss huber",
+            Loss::Huber => "it pulls little here",
+        };
+        return format!("{}: {off} and looks like an outlier; {advice}.", row(first));
     }
+    let advice = match problem.loss {
+        Loss::Squares => "check what happened there, or fit with --loss huber",
+        Loss::Huber => "check what happened there; they pull little here",
+    };
     format!(
         "rows {} to {}: {} coordinates look like outliers, the largest in {}: {off}; neighbours that err together are rarely slips of \
-         reading: check what happened there, or {advice}.",
+         reading: {advice}.",
         first + 1,
         last + 1,
         group.len(),
