@@ -1,5 +1,6 @@
 //! `hydrostat calibrate`: parameters fitted to a measured bench, and how sure they are.
 
+use crate::free::FreeArgs;
 use crate::provenance::provenance;
 use crate::text::{MM, aligned};
 use crate::{End, Outcome, files, json, warn};
@@ -16,15 +17,8 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Args {
     /// Experiment file [default: the built-in bench of Gray 2009, E alone and then E and length]
     experiment: Option<PathBuf>,
-    /// What may change, such as youngs_modulus,length; a+b gives several parts one value, * stands for every name
-    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
-    free: Vec<String>,
-    /// What is known beforehand, such as "youngs_modulus=54 GPa +- 3 GPa"
-    #[arg(long, value_name = "NAME=VALUE")]
-    prior: Vec<String>,
-    /// Between which values to stay, such as "length=380 mm to 400 mm"
-    #[arg(long, value_name = "NAME=RANGE")]
-    bounds: Vec<String>,
+    #[command(flatten)]
+    free: FreeArgs,
     /// How residuals count [default: squares]
     #[arg(long, value_enum)]
     loss: Option<LossName>,
@@ -68,13 +62,11 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
     let holdout = holdout.map_err(|error| Error::new(format!("--holdout has no absolute path: {error}")))?;
     let holdout = holdout.map(|path| path.to_string_lossy().into_owned());
     let flags = |free: &[String]| CalibrationFlags {
-        free: free.to_vec(),
-        prior: args.prior.clone(),
-        bounds: args.bounds.clone(),
         loss,
         starts: args.starts.map(usize::from),
         folds: args.folds.map(usize::from),
         holdout: holdout.clone(),
+        ..args.free.flags(free)
     };
     if let Some(path) = args.write.as_deref().filter(|path| path.exists() && !args.force) {
         return Err(Error::new(format!("{} exists already and is left as it is", path.display()))
@@ -84,8 +76,8 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
     if let Some(folder) = &args.report {
         files::refuse_file(folder)?;
     }
-    let mut freed = vec![args.free.clone()];
-    if args.experiment.is_none() && args.free.is_empty() {
+    let mut freed = vec![args.free.names.clone()];
+    if args.experiment.is_none() && args.free.names.is_empty() {
         if args.write.is_some() {
             return Err(Error::new("--write saves one calibration, and without --free there are two")
                 .hint("name what is free, such as --free youngs_modulus"));
@@ -283,9 +275,10 @@ fn parameters(calibration: &Calibration) -> Vec<Vec<String>> {
             estimate.parameter.show(estimate.before, None),
             show(estimate.value),
             error.map_or_else(unknown, show),
-            estimate
-                .interval_95
-                .map_or_else(unknown, |[low, high]| format!("{} to {}", show(low), show(high))),
+            estimate.interval_95.map_or_else(unknown, |[low, high]| {
+                let cut = if estimate.cut.contains(&true) { ", cut at its bound" } else { "" };
+                format!("{} to {}{cut}", show(low), show(high))
+            }),
         ]);
     }
     table

@@ -4,7 +4,7 @@ use crate::files;
 use hydrostat::budget::{Budget, Displacement, Tolerance};
 use hydrostat::calibrate::{Calibration, Problem};
 use hydrostat::model::Pose;
-use hydrostat::plan::{Design, Limit, Plan, Request};
+use hydrostat::plan::{Choice, Design, Limit, Plan, Request};
 use hydrostat::solution::{Check, Method, Station, TendonState};
 use hydrostat::verify::{Experiment, Point, PointError, Summary, Varied, Verification};
 use hydrostat::{Equilibrium, Error, Robot};
@@ -117,6 +117,7 @@ fn of_calibration(problem: &Problem, calibration: &Calibration) -> Map<String, V
             "unit": estimate.parameter.unit(),
             "standard_error": estimate.standard_error,
             "interval_95": estimate.interval_95,
+            "interval_95_cut": estimate.cut,
             "before": estimate.before,
             "paths": estimate.parameter.paths(&problem.experiment),
         })
@@ -291,7 +292,7 @@ fn displacement(part: &Displacement) -> Map<String, Value> {
 /// `plan --json`.
 pub(crate) fn plan(request: &Request, plan: &Plan) -> Value {
     let parameters = plan.parameters.iter().map(|planned| {
-        let half = |error: Option<f64>| error.map(|error| error * plan.quantile);
+        let [now, after] = plan.quantiles;
         json!({
             "name": planned.parameter.name,
             "value": planned.value,
@@ -299,9 +300,9 @@ pub(crate) fn plan(request: &Request, plan: &Plan) -> Value {
             "standard_error_now": planned.now,
             "standard_error_after_d_optimal": planned.after_d,
             "standard_error_after_a_optimal": planned.after_a,
-            "half_interval_95_now": half(planned.now),
-            "half_interval_95_after_d_optimal": half(planned.after_d),
-            "half_interval_95_after_a_optimal": half(planned.after_a),
+            "half_interval_95_now": planned.now.map(|error| error * now),
+            "half_interval_95_after_d_optimal": planned.after_d.map(|error| error * after),
+            "half_interval_95_after_a_optimal": planned.after_a.map(|error| error * after),
         })
     });
     let key = |limit: &Limit| input_key(&limit.input.column, limit.input.quantity);
@@ -320,11 +321,18 @@ pub(crate) fn plan(request: &Request, plan: &Plan) -> Value {
         });
         json!({ "rows": rows.collect::<Vec<_>>(), "confidence_volume_ratio": design.volume })
     };
-    let limits = request.limits.iter().map(|limit| (key(limit), json!(limit.range)));
+    let limits = request.limits.iter().map(|limit| (key(limit), json!(limit.choice.range())));
+    let values = request.limits.iter().filter_map(|limit| match &limit.choice {
+        Choice::Range(_) => None,
+        Choice::Values(values) => Some((key(limit), json!(values))),
+    });
     let left_out = plan.left_out.iter().map(|(reason, count)| json!({ "reason": reason, "count": count }));
     json!({
         "experiment": request.problem.experiment.name,
         "limits": Value::Object(limits.collect()),
+        "values": Value::Object(values.collect()),
+        "repeats": request.repeats,
+        "error_scale": plan.error_scale,
         "candidates": plan.candidates,
         "left_out": left_out.collect::<Vec<_>>(),
         "d_optimal": design(&plan.d_optimal),

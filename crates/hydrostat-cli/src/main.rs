@@ -13,6 +13,7 @@ mod comparison;
 mod derivatives;
 mod fabricate;
 mod files;
+mod free;
 mod json;
 mod new;
 mod plan;

@@ -1,10 +1,11 @@
 //! `hydrostat plan`: which measurements would tell most about what is free.
 
+use crate::free::FreeArgs;
 use crate::text::{MM, aligned, fixed};
 use crate::{End, Outcome, files, json, warn};
 use hydrostat::Error;
 use hydrostat::description::{self, CalibrationFlags, Parsed, PlanFlags, builtin};
-use hydrostat::plan::{Design, Plan, Planned, Request, plan};
+use hydrostat::plan::{Choice, Design, Plan, Planned, Request, plan};
 use hydrostat::statics::Settings;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -13,19 +14,19 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Args {
     /// Experiment file [default: the built-in bench of Gray 2009, E and length]
     experiment: Option<PathBuf>,
-    /// What is to be known better, such as youngs_modulus,length; names as of calibrate
-    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
-    free: Vec<String>,
-    /// What is known beforehand, such as "youngs_modulus=54 GPa +- 3 GPa"
-    #[arg(long, value_name = "NAME=VALUE")]
-    prior: Vec<String>,
-    /// Between which values a column can be set, such as "mass=0 g to 100 g"; also mount_angle, tension.NAME, displacement.NAME
+    #[command(flatten)]
+    free: FreeArgs,
+    /// What a column can be set to, such as "mass=0 g to 100 g" or "mass=0 g, 20 g, 50 g"; also mount_angle, tension.NAME,
+    /// displacement.NAME
     /// [default: the range of the data]
     #[arg(long, value_name = "NAME=RANGE")]
     limit: Vec<String>,
     /// How many rows to plan [default: 3]
     #[arg(long, value_name = "N")]
     measurements: Option<usize>,
+    /// How often the same row may be planned [default: 1]
+    #[arg(long, value_name = "N")]
+    repeats: Option<usize>,
     /// Start of the random candidates, which are taken where more than five inputs vary
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
@@ -35,15 +36,17 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
-    let free = CalibrationFlags {
-        free: match (&args.experiment, &args.free[..]) {
-            (None, []) => vec![builtin::FREED[1].to_owned()],
-            _ => args.free.clone(),
-        },
-        prior: args.prior.clone(),
-        ..CalibrationFlags::default()
+    let names = match (&args.experiment, &args.free.names[..]) {
+        (None, []) => vec![builtin::FREED[1].to_owned()],
+        _ => args.free.names.clone(),
     };
-    let flags = PlanFlags { limits: args.limit.clone(), measurements: args.measurements, seed: args.seed };
+    let free = args.free.flags(&names);
+    let flags = PlanFlags {
+        limits: args.limit.clone(),
+        measurements: args.measurements,
+        repeats: args.repeats,
+        seed: args.seed,
+    };
     let parsed = read(args.experiment.as_deref(), &free, &flags)?;
     warn(&parsed.warnings);
     let request = parsed.value;
@@ -70,8 +73,12 @@ fn text(request: &Request, plan: &Plan) -> String {
     let names: Vec<&str> = plan.parameters.iter().map(|planned| planned.parameter.name.as_str()).collect();
     let limits = request.limits.iter().map(|limit| {
         let (unit, size) = &limit.input.unit;
-        let [low, high] = limit.range.map(|value| value / size);
-        format!("{} {} to {} {unit}", limit.input.column, fixed(low, 1), fixed(high, 1))
+        let show = |value: &f64| fixed(value / size, 1);
+        let values = match &limit.choice {
+            Choice::Range([low, high]) => format!("{} to {}", show(low), show(high)),
+            Choice::Values(values) => values.iter().map(show).collect::<Vec<_>>().join(", "),
+        };
+        format!("{} {values} {unit}", limit.input.column)
     });
     let _ = writeln!(
         text,
@@ -131,13 +138,14 @@ fn parameters(plan: &Plan) -> Vec<Vec<String>> {
             let shown = |error: f64| parameter.show(error * times, Some(error * times));
             error.map_or_else(|| "not determined".to_owned(), shown)
         };
-        let half = |error: &Option<f64>| match error {
-            Some(_) => format!("+- {}", show(error, plan.quantile)),
+        let half = |error: &Option<f64>, quantile: f64| match error {
+            Some(_) => format!("+- {}", show(error, quantile)),
             None => show(error, 1.0),
         };
+        let [then, later] = plan.quantiles;
         let mut cells = vec![parameter.name.clone(), parameter.show(*value, None)];
         cells.extend([now, after_d, after_a].map(|error| show(error, 1.0)));
-        cells.extend([now, after_d, after_a].map(half));
+        cells.extend([half(now, then), half(after_d, later), half(after_a, later)]);
         table.push(cells);
     }
     table

@@ -76,7 +76,7 @@ fn size(experiment: &Experiment, calibration: &Calibration) -> String {
 }
 
 fn parameter(problem: &Problem, estimate: &Estimate) -> Value {
-    let Estimate { parameter, before, value, standard_error, interval_95 } = estimate;
+    let Estimate { parameter, before, value, standard_error, interval_95, cut } = estimate;
     let show = |value: f64| pretty(&parameter.show(value, *standard_error));
     let places = parameter.paths(&problem.experiment);
     let mut notes = Vec::new();
@@ -91,6 +91,9 @@ fn parameter(problem: &Problem, estimate: &Estimate) -> Value {
     if parameter.bounded {
         let [low, high] = parameter.bounds.map(|bound| pretty(&parameter.show(bound, None)));
         notes.push(format!("bounds {}", between(&low, &high)));
+    }
+    if cut.contains(&true) {
+        notes.push("interval cut at its bound".to_owned());
     }
     context! {
         name => breakable(&parameter.name, '.'),

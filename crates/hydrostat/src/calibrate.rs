@@ -2,13 +2,16 @@
 
 mod fit;
 mod neighbours;
+mod outliers;
 mod parameter;
 mod part;
+mod plausible;
 mod predict;
 mod ranking;
 mod search;
 mod setup;
 mod statistics;
+mod units;
 mod verdict;
 
 pub use parameter::{Parameter, Prior};
@@ -106,7 +109,32 @@ pub struct Estimate {
     pub value: f64,
     /// None where the data do not determine it, or it lies on a bound.
     pub standard_error: Option<f64>,
+    /// Cut at the bounds.
     pub interval_95: Option<[f64; 2]>,
+    /// Which ends of the interval are bounds, where the data alone allow more.
+    pub cut: [bool; 2],
+}
+
+impl Estimate {
+    /// From half the width of its interval.
+    fn new(
+        parameter: &Parameter,
+        before: f64,
+        value: f64,
+        standard_error: Option<f64>,
+        half: Option<f64>,
+    ) -> Estimate {
+        let [low, high] = parameter.bounds;
+        let whole = half.map(|half| [value - half, value + half]);
+        Estimate {
+            parameter: parameter.clone(),
+            before,
+            value,
+            standard_error,
+            interval_95: whole.map(|ends| ends.map(|end| end.clamp(low, high))),
+            cut: whole.map_or([false; 2], |ends| [ends[0] < low, ends[1] > high]),
+        }
+    }
 }
 
 /// A row before and after; one error per measured point, bench axes.
@@ -169,7 +197,7 @@ impl Problem {
 ///
 /// # Errors
 /// A row that cannot be solved where the fit starts, with its inputs; more free parameters than coordinates; a parameter that moves
-/// nothing that was measured; no convergence.
+/// nothing that was measured; no convergence; a unit that is wrong by a power of ten.
 pub fn calibrate(problem: &Problem, settings: &Settings) -> Result<Calibration, Error> {
     calibrate_watched(problem, settings, &mut |_| ())
 }
@@ -181,11 +209,20 @@ pub fn calibrate_watched(
     watch: &mut dyn FnMut(&Progress),
 ) -> Result<Calibration, Error> {
     problem.check()?;
+    let found = fitted(problem, settings, watch);
+    units::mistaken(problem, settings, found.as_ref().ok()).map_or(found, Err)
+}
+
+fn fitted(
+    problem: &Problem,
+    settings: &Settings,
+    watch: &mut dyn FnMut(&Progress),
+) -> Result<Calibration, Error> {
     let experiment = &problem.experiment;
     let mut fit = Fit::new(problem, settings)?;
     let start = fit.variables(&fit.start);
-    let before = fit.points(&fit.start.clone())?;
     let first = fit.evaluate(&start, 1.0)?;
+    let before = fit.points_at(&start)?;
     refuse_without_influence(problem, &fit, &first.jacobian)?;
 
     // errors are as stated until chi-square refutes them; priors and robust loss then weigh against larger ones
@@ -217,7 +254,7 @@ pub fn calibrate_watched(
     let at = fit.evaluate(&minimum.x, error_scale)?;
     let statistics = Statistics::new(problem, &at, &minimum.held, error_scale);
 
-    let after = fit.points(&values)?;
+    let after = fit.points_at(&minimum.x)?;
     let rows: Vec<CalibratedRow> = experiment
         .rows
         .iter()
@@ -244,16 +281,8 @@ pub fn calibrate_watched(
     let follows = tests.reduce(|a, b| a || b);
     let parameters = problem.parameters.iter().enumerate().map(|(j, parameter)| {
         let standard_error = statistics.standard_error(j).map(|error| error * fit.scale[j]);
-        Estimate {
-            parameter: parameter.clone(),
-            before: fit.start[j],
-            value: values[j],
-            standard_error,
-            interval_95: standard_error.map(|error| {
-                let half = statistics.quantile * error;
-                [values[j] - half, values[j] + half]
-            }),
-        }
+        let half = standard_error.map(|error| statistics.quantile * error);
+        Estimate::new(parameter, fit.start[j], values[j], standard_error, half)
     });
     let folds = (problem.folds > 0)
         .then(|| search::fold_errors(problem, settings, &values, error_scale, watch))
@@ -292,7 +321,7 @@ pub fn calibrate_watched(
     };
     calibration.verdict = verdict::verdict(problem, &calibration, &statistics, &at, &fit.scale);
     let narrow = alike.as_ref().and_then(|alike| verdict::narrow(alike, problem.experiment.rows.len()));
-    calibration.verdict.splice(1..1, verdict::follows(runs, alike));
+    calibration.verdict.splice(1..1, verdict::follows(runs.into_iter().next(), alike));
     calibration.warnings = verdict::warnings(problem, &calibration, &statistics, &at, &minimum.held);
     calibration.warnings.extend(narrow.into_iter().chain(not_known));
     for (j, parameter) in problem.parameters.iter().enumerate() {
@@ -404,18 +433,19 @@ pub struct Expected {
     pub told_apart: Vec<String>,
 }
 
-/// What a fit would know if its rows had these derivatives, SI (coordinates x parameters), and errors as stated.
+/// What a fit would know if its rows had these derivatives, SI (coordinates x parameters), and errors so many times as large as stated.
 ///
 /// # Errors
 /// As [`start`].
-pub fn expected(problem: &Problem, jacobian: &DMatrix<f64>) -> Result<Expected, Error> {
+pub fn expected(problem: &Problem, jacobian: &DMatrix<f64>, error_scale: f64) -> Result<Expected, Error> {
     let fit = Fit::new(problem, &Settings::default())?;
-    let mut at = fit.exact(jacobian);
+    let mut at = fit.exact(jacobian, error_scale);
     // what a fit would refuse to free is not determined, and in nobody's way
-    for mut column in at.jacobian.column_iter_mut().filter(|column| column.norm() < LEAST_INFLUENCE) {
+    let unseen = LEAST_INFLUENCE / error_scale;
+    for mut column in at.jacobian.column_iter_mut().filter(|column| column.norm() < unseen) {
         column.fill(0.0);
     }
-    let statistics = Statistics::new(problem, &at, &vec![false; fit.scale.len()], 1.0);
+    let statistics = Statistics::new(problem, &at, &vec![false; fit.scale.len()], error_scale);
     let error = |j: usize| statistics.standard_error(j).map(|error| error * fit.scale[j]);
     Ok(Expected {
         standard_errors: (0..fit.scale.len()).map(error).collect(),

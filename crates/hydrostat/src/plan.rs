@@ -5,7 +5,9 @@ mod exchange;
 mod verdict;
 
 use crate::Error;
-use crate::calibrate::{Expected, Parameter, Problem, expected, sensitivities, start};
+use crate::calibrate::{
+    Expected, LEAST_INFLUENCE, Parameter, Problem, calibrate, expected, sensitivities, start,
+};
 use crate::statics::Settings;
 use crate::verify::{Experiment, Input, Row};
 use candidates::{Candidate, candidates};
@@ -20,15 +22,39 @@ pub struct Request {
     pub limits: Vec<Limit>,
     /// How many rows to plan.
     pub measurements: usize,
+    /// How often the same row may be planned; at least 1.
+    pub repeats: usize,
     /// Of the random candidates, where there are too many inputs for a grid.
     pub seed: u64,
 }
 
-/// An input between two values, SI.
+/// An input and what it may be set to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Limit {
     pub input: Input,
-    pub range: [f64; 2],
+    pub choice: Choice,
+}
+
+/// Values that an input may take, SI.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Choice {
+    /// Any between two.
+    Range([f64; 2]),
+    /// Those that there are, such as weights; at least one.
+    Values(Vec<f64>),
+}
+
+impl Choice {
+    /// The lowest and the highest value.
+    pub fn range(&self) -> [f64; 2] {
+        match self {
+            Choice::Range(range) => *range,
+            Choice::Values(values) => [
+                values.iter().copied().fold(f64::INFINITY, f64::min),
+                values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+            ],
+        }
+    }
 }
 
 /// The outcome of [`plan`].
@@ -43,8 +69,10 @@ pub struct Plan {
     /// Candidates that could be measured, and others: reason and number.
     pub candidates: usize,
     pub left_out: Vec<(String, usize)>,
-    /// Half a 95 % interval over its standard error.
-    pub quantile: f64,
+    /// How many times as large as stated the reading errors are taken to be: what the fit to the rows at hand finds, else 1.
+    pub error_scale: f64,
+    /// Half a 95 % interval over its standard error, now and after.
+    pub quantiles: [f64; 2],
     /// In words: what is won, what stays undetermined, what it rests on.
     pub verdict: Vec<String>,
 }
@@ -63,7 +91,7 @@ pub struct Planned {
 /// Rows to measure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Design {
-    /// The one that tells most first; the same row may come several times, each set up anew.
+    /// The one that tells most first; fewer than asked for where candidates run out.
     pub rows: Vec<PlannedRow>,
     /// Volume of the confidence region over that of the rows at hand; None where those leave it without end.
     pub volume: Option<f64>,
@@ -91,7 +119,9 @@ pub fn plan(request: &Request, settings: &Settings) -> Result<Plan, Error> {
     let measured = sensitivities(problem, settings)?.1;
     let (candidates, left_out) = candidates(request, settings)?;
     let scale = scale(problem)?;
-    let errors = reading_errors(&problem.experiment);
+    let read = Reading::of(problem, &measured, &scale, settings);
+    let errors: Vec<f64> =
+        reading_errors(&problem.experiment).iter().map(|error| error * read.scale).collect();
     let priors: Vec<Option<f64>> = problem
         .parameters
         .iter()
@@ -107,11 +137,11 @@ pub fn plan(request: &Request, settings: &Settings) -> Result<Plan, Error> {
         candidates.iter().map(|candidate| weighted(&candidate.jacobian)).collect();
     let information = Information::new(&weighted(&measured), &priors, &of_candidates);
 
-    let now = expected(problem, &measured)?;
+    let now = expected(problem, &measured, read.scale)?;
     let design = |criterion: Criterion| -> Result<(Design, Expected), Error> {
-        let chosen = information.choose(criterion, request.measurements);
+        let chosen = information.choose(criterion, request.measurements, request.repeats);
         let rows: Vec<&Candidate> = chosen.iter().map(|&k| &candidates[k]).collect();
-        let after = after(problem, &measured, &rows)?;
+        let after = after(problem, &measured, &rows, read.scale)?;
         let design = Design {
             volume: now.standard_errors.iter().all(Option::is_some).then(|| information.volume(&chosen)),
             rows: rows.into_iter().map(|candidate| candidate.row.clone()).collect(),
@@ -135,10 +165,11 @@ pub fn plan(request: &Request, settings: &Settings) -> Result<Plan, Error> {
         a_optimal,
         candidates: candidates.len(),
         left_out,
-        quantile: now.quantile,
+        error_scale: read.scale,
+        quantiles: [now.quantile, after_d.quantile],
         verdict: Vec::new(),
     };
-    plan.verdict = verdict::verdict(request, &plan, after_d.told_apart, settings)?;
+    plan.verdict = verdict::verdict(request, &plan, after_d.told_apart, &read.why, settings)?;
     Ok(plan)
 }
 
@@ -152,7 +183,11 @@ fn check(request: &Request) -> Result<(), Error> {
             request.measurements
         )));
     }
-    for Limit { input, range: [low, high] } in &request.limits {
+    if request.repeats == 0 {
+        return Err(Error::new("found 0 repeats of a row, expected 1 at least"));
+    }
+    for Limit { input, choice } in &request.limits {
+        let [low, high] = choice.range();
         if !(low <= high && low.is_finite() && high.is_finite()) {
             return Err(Error::new(format!(
                 "the limits of {} are {} to {} {}, expected the lower one first",
@@ -180,7 +215,12 @@ fn reading_errors(experiment: &Experiment) -> Vec<f64> {
 }
 
 /// What a fit would know with these rows as well.
-fn after(problem: &Problem, measured: &DMatrix<f64>, rows: &[&Candidate]) -> Result<Expected, Error> {
+fn after(
+    problem: &Problem,
+    measured: &DMatrix<f64>,
+    rows: &[&Candidate],
+    error_scale: f64,
+) -> Result<Expected, Error> {
     let mut longer = problem.clone();
     let mut jacobian = measured.clone();
     for candidate in rows {
@@ -190,5 +230,60 @@ fn after(problem: &Problem, measured: &DMatrix<f64>, rows: &[&Candidate]) -> Res
         let inputs = candidate.row.inputs[..longer.experiment.inputs.len()].to_vec();
         longer.experiment.rows.push(Row { inputs, observed: candidate.row.predicted.clone() });
     }
-    expected(&longer, &jacobian)
+    expected(&longer, &jacobian, error_scale)
+}
+
+/// How large reading errors are taken to be.
+struct Reading {
+    /// Times the stated ones.
+    scale: f64,
+    /// Why so, as the end of a sentence.
+    why: String,
+}
+
+impl Reading {
+    /// As a fit to the rows at hand finds them, of what shows there; as stated where there is none.
+    fn of(problem: &Problem, measured: &DMatrix<f64>, scale: &[f64], settings: &Settings) -> Reading {
+        let stated = |why: String| Reading { scale: 1.0, why };
+        let errors = reading_errors(&problem.experiment);
+        let shows = |j: usize| {
+            let column = measured.column(j);
+            let seen =
+                column.iter().enumerate().map(|(k, d)| (d * scale[j] / errors[k % errors.len()]).powi(2));
+            seen.sum::<f64>().sqrt() >= LEAST_INFLUENCE
+        };
+        let mut fitted = problem.clone();
+        let mut number = 0..;
+        fitted.parameters.retain(|parameter| {
+            let j = number.next().unwrap_or_default();
+            parameter.prior.is_some() || shows(j)
+        });
+        fitted.holdout.clear();
+        (fitted.starts, fitted.folds) = (1, 0);
+        if fitted.parameters.is_empty() {
+            return stated(
+                "the reading error as stated, since the rows at hand show nothing of what is free".to_owned(),
+            );
+        }
+        match calibrate(&fitted, settings) {
+            Ok(found) if found.chance.is_none() => stated(
+                "the reading error as stated, since the rows at hand leave nothing to judge it by".to_owned(),
+            ),
+            Ok(found) if found.error_scale > 1.0 => Reading {
+                scale: found.error_scale,
+                why: format!(
+                    "errors {:.1} times the stated reading error, as the fit to the {} rows at hand finds them",
+                    found.error_scale,
+                    fitted.experiment.rows.len()
+                ),
+            },
+            Ok(_) => stated(
+                "the reading error as stated, which the fit to the rows at hand does not refute".to_owned(),
+            ),
+            Err(error) => stated(format!(
+                "the reading error as stated, since the rows at hand have no fit ({})",
+                error.message()
+            )),
+        }
+    }
 }

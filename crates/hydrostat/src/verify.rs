@@ -267,13 +267,14 @@ impl Experiment {
         self.acting_with(&vec![0.0; backlash.len()], &backlash)
     }
 
-    /// The same with an offset and a backlash of each input.
+    /// The same with an offset and a backlash of each input; nothing is added where nothing hangs.
     pub(crate) fn acting_with(&self, offsets: &[f64], backlash: &[f64]) -> Vec<Vec<Acting>> {
         let mut rows: Vec<Vec<Acting>> = Vec::with_capacity(self.rows.len());
         for row in &self.rows {
             let before = rows.last();
             let act = |(i, value): (usize, &f64)| {
-                let (half, moved) = (0.5 * backlash[i], value + offsets[i]);
+                let offset = if *value == 0.0 { 0.0 } else { offsets[i] };
+                let (half, moved) = (0.5 * backlash[i], value + offset);
                 let Some(before) = before.map(|before| before[i]) else {
                     return Acting { value: moved, motion: Motion::Pulled };
                 };
@@ -334,6 +335,18 @@ impl Experiment {
             })
             .collect();
         texts.join(", ")
+    }
+
+    /// The inputs that vary from row to row, with four digits.
+    pub(crate) fn varied_inputs_of(&self, row: &Row) -> Vec<String> {
+        let inputs = self.inputs.iter().enumerate();
+        let varied = inputs.filter(|(i, _)| self.rows.iter().any(|other| other.inputs[*i] != row.inputs[*i]));
+        let texts = varied.map(|(i, input)| {
+            let value = row.inputs[i] / input.unit.1;
+            let rounded = format!("{value:.3e}").parse().unwrap_or(value);
+            format!("{} {rounded} {}", input.column, input.unit.0)
+        });
+        texts.collect()
     }
 
     /// Predicted points of every row, bench axes.

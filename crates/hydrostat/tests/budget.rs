@@ -1,27 +1,18 @@
 //! Budgets of tolerances against closed forms, differences of `verify`, and benches drawn at random.
 
+mod rods;
+
 use hydrostat::Error;
 use hydrostat::budget::{Budget, Contribution, budget};
 use hydrostat::description::{builtin, parse_budget, parse_experiment};
 use hydrostat::statics::Settings;
 use hydrostat::verify::{Experiment, verify};
+use rods::{files, rod};
 
-const ROD: &str = r#"
-name = "rod"
-gravity = "[0, -9.81, 0] m/s^2"
-[base]
-tangent = [1, 0, 0]
-normal = [0, 1, 0]
-[material.wire]
-youngs_modulus = "54 GPa"
-poisson_ratio = 0.33
-density = "6.5 g/cm^3"
-[[section]]
-name = "rod"
-length = "390 mm"
-material = "wire"
-profile = { diameter = "1.56 mm" }
-"#;
+/// As long as that of the thesis.
+fn long_rod() -> String {
+    rod("54 GPa", &[["rod", "390 mm", "1.56 mm"]])
+}
 
 const BENCH: &str = r#"
 name = "bench"
@@ -67,8 +58,7 @@ reading_error = "0.1 mm"
 "#;
 
 fn load(data: &str) -> impl FnMut(&str) -> Result<String, Error> {
-    let data = data.to_owned();
-    move |path| Ok(if path == "data.csv" { data.clone() } else { ROD.to_owned() })
+    files(long_rod(), data)
 }
 
 fn computed(bench: &str, data: &str, tolerances: &[&str], samples: usize) -> Result<Budget, Error> {

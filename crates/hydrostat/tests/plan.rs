@@ -16,6 +16,7 @@ fn flags(limits: &[&str], measurements: usize) -> PlanFlags {
     PlanFlags {
         limits: limits.iter().map(|text| (*text).to_owned()).collect(),
         measurements: Some(measurements),
+        repeats: Some(2),
         seed: 1,
     }
 }
@@ -43,7 +44,7 @@ fn derivatives(problem: &Problem, masses: &[f64]) -> (DMatrix<f64>, Vec<DMatrix<
 }
 
 fn masses() -> Vec<f64> {
-    (0..400).map(|i| 41.7e-3 * f64::from(i) / 399.0).collect()
+    (0..21).map(|i| 41.7e-3 * f64::from(i) / 20.0).collect()
 }
 
 /// The row at which the parameter shows most, as often as there is time.
@@ -62,7 +63,7 @@ fn one_parameter_is_measured_where_it_shows_most() {
     }
 }
 
-/// All 80,200 pairs of the grid.
+/// All 231 pairs of the grid.
 #[test]
 fn two_rows_for_two_parameters_are_the_best_pair() {
     let request = request("youngs_modulus,length", &[], 2);
@@ -85,6 +86,7 @@ fn two_rows_for_two_parameters_are_the_best_pair() {
     assert!((volume / (before / largest).sqrt() - 1.0).abs() < 1e-6, "{volume}");
     let sum: f64 =
         found.parameters.iter().map(|p| (p.after_a.expect("is determined") / p.value).powi(2)).sum();
+    let smallest = smallest * found.error_scale.powi(2);
     assert!((sum / smallest - 1.0).abs() < 1e-6, "{sum:e} {smallest:e}");
 }
 
@@ -100,14 +102,16 @@ fn expected_errors_are_those_of_a_calibration() {
         let mut request = request(names, limits, 3);
         request.problem.parameters[0].prior =
             Some(hydrostat::calibrate::Prior { value: 54e9, standard_error: 1e9 });
+        let exact = sensitivities(&request.problem, &Settings::default()).expect("solves").0;
+        for (i, row) in request.problem.experiment.rows.iter_mut().enumerate() {
+            row.observed[0] = Vector3::new(exact[2 * i], exact[2 * i + 1], 0.0);
+        }
         let found = planned(&request);
         let mut problem = request.problem.clone();
         problem.experiment.inputs = request.limits.iter().map(|limit| limit.input.clone()).collect();
         let inputs = problem.experiment.inputs.len();
-        let predicted = sensitivities(&request.problem, &Settings::default()).expect("solves").0;
-        for (i, row) in problem.experiment.rows.iter_mut().enumerate() {
+        for row in &mut problem.experiment.rows {
             row.inputs.resize(inputs, 0.0);
-            row.observed[0] = Vector3::new(predicted[2 * i], predicted[2 * i + 1], 0.0);
         }
         let now = calibrate(&problem, &Settings::default()).expect("fits");
         for row in &found.d_optimal.rows {
@@ -128,10 +132,66 @@ fn expected_errors_are_those_of_a_calibration() {
                 );
             }
             let [low, high] = after.parameters[j].interval_95.expect("is determined");
-            let half = found.quantile * planned.after_d.expect("is determined");
+            let half = found.quantiles[1] * planned.after_d.expect("is determined");
             assert!((half / (0.5 * (high - low)) - 1.0).abs() < CLOSE, "{half:e} {low:e} {high:e}");
         }
     }
+}
+
+/// As `calibrate` widens its intervals by the residuals of the rows at hand, so does the plan.
+#[test]
+fn errors_are_those_of_the_fit_to_the_rows_at_hand() {
+    /// Derivatives are those at the files' values, not at the optimum.
+    const CLOSE: f64 = 0.03;
+    let request = request("youngs_modulus,length", &[], 2);
+    let found = planned(&request);
+    let fitted = calibrate(&request.problem, &Settings::default()).expect("fits");
+    assert_eq!(found.error_scale, fitted.error_scale);
+    for (planned, estimate) in found.parameters.iter().zip(&fitted.parameters) {
+        let (now, reported) =
+            (planned.now.expect("is determined"), estimate.standard_error.expect("is determined"));
+        assert!((now / reported - 1.0).abs() < CLOSE, "{}: {now:e} {reported:e}", planned.parameter.name);
+        let [low, high] = estimate.interval_95.expect("is determined");
+        let half = found.quantiles[0] * now;
+        assert!((half / (0.5 * (high - low)) - 1.0).abs() < CLOSE, "{half:e} {low:e} {high:e}");
+    }
+    // more rows, more degrees of freedom
+    assert!(found.quantiles[1] < found.quantiles[0], "{:?}", found.quantiles);
+    let last = found.verdict.last().expect("has words");
+    assert!(
+        last.contains(
+            "errors 3.3 times the stated reading error, as the fit to the 11 rows at hand finds them"
+        ),
+        "{last}"
+    );
+}
+
+/// A row comes as often as is allowed, and only weights that there are.
+#[test]
+fn weights_from_a_list_are_not_repeated() {
+    let mut request = request("youngs_modulus,length", &["mass=0 g, 20 g, 50 g, 20 g"], 3);
+    request.repeats = 1;
+    let found = planned(&request);
+    assert_eq!(found.candidates, 3);
+    for design in [&found.d_optimal, &found.a_optimal] {
+        let mut masses: Vec<f64> = design.rows.iter().map(|row| row.inputs[0]).collect();
+        masses.sort_by(f64::total_cmp);
+        assert_eq!(masses, [0.0, 0.02, 0.05]);
+    }
+    request.measurements = 5;
+    let short = planned(&request);
+    assert_eq!((short.d_optimal.rows.len(), short.a_optimal.rows.len()), (3, 3));
+    assert!(
+        short.verdict.iter().any(
+            |sentence| sentence.starts_with("Only 3 of 5 rows are planned: with each taken once at most")
+        ),
+        "{:?}",
+        short.verdict
+    );
+    request.repeats = 2;
+    assert_eq!(planned(&request).d_optimal.rows.len(), 5);
+    request.repeats = 0;
+    assert!(plan(&request, &Settings::default()).is_err());
 }
 
 /// A rod that would yield or fall over is no proposal, and a row whose derivatives are good for nothing is doubted.
@@ -223,6 +283,8 @@ fn refusals() {
     };
     refused("mass", &["found --limit \"mass\", expected NAME=LOW to HIGH"]);
     refused("mass=5 g", &["--limit: found \"5 g\", expected two values, such as \"20 g to 20 g\""]);
+    refused("mass=5 g, 6 mm", &["found a length, expected a mass"]);
+    refused("mass=-5 g, 6 g", &["expected a mass of at least 0"]);
     refused("mass=5 mm to 6 mm", &["found a length, expected a mass"]);
     refused("mass=6 g to 5 g", &["found \"6 g to 5 g\", expected the lower value first"]);
     refused("mass=-6 g to 5 g", &["expected a mass of at least 0"]);

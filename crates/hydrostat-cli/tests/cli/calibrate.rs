@@ -39,7 +39,10 @@ fn json_has_the_keys_of_the_format() {
         assert!(keys(&value).contains(&key), "{key} in {:?}", keys(&value));
     }
     let first = &value["parameters"][0];
-    assert_eq!(keys(first)[..5], ["name", "value", "unit", "standard_error", "interval_95"]);
+    assert_eq!(
+        keys(first)[..6],
+        ["name", "value", "unit", "standard_error", "interval_95", "interval_95_cut"]
+    );
     assert_eq!((first["name"].as_str(), first["unit"].as_str()), (Some("youngs_modulus"), Some("Pa")));
     assert_eq!(value["correlation"][1][1], 1.0);
     for key in ["mean_error_m", "rms_error_m", "max_error_m"] {
@@ -48,6 +51,20 @@ fn json_has_the_keys_of_the_format() {
     assert_eq!(value["degrees_of_freedom"], 20);
     let both = json(&folder.run("calibrate --json").succeeds());
     assert_eq!(both["further"][0]["parameters"][1]["name"], "length");
+}
+
+#[test]
+fn an_interval_that_its_bound_cuts_says_so() {
+    let folder = Folder::new("calibrate_cut");
+    let bench = hydrostat::description::builtin::EXPERIMENT
+        .replace("../../robots/gray2009_rod.toml", "rod.toml")
+        + "\n[calibrate]\nfree = [\"youngs_modulus\"]\nbounds = { youngs_modulus = \"50 GPa to 54.8 GPa\" }\n";
+    fs::write(folder.path("rod.toml"), hydrostat::description::builtin::ROBOT).unwrap();
+    fs::write(folder.path("table2.csv"), hydrostat::description::builtin::TABLE).unwrap();
+    fs::write(folder.path("bench.toml"), bench).unwrap();
+    let text = folder.run("calibrate bench.toml").succeeds();
+    assert!(text.contains("54.12 GPa to 54.80 GPa, cut at its bound"), "{text}");
+    assert!(text.contains("The 95 % interval of youngs_modulus is cut at its bound, 54.80 GPa"), "{text}");
 }
 
 /// The written robot is the calibrated one: `verify` finds its error, and the comments are there.
@@ -84,6 +101,12 @@ fn refusals() {
     folder
         .run("calibrate --free length --bounds density=1")
         .refuses(&["--bounds", "\"density\" is not free"]);
+    let table = fs::read_to_string(folder.path("try.csv")).unwrap();
+    fs::write(folder.path("try.csv"), table.replace("[g]", "[kg]")).unwrap();
+    folder.run("calibrate try.toml --free youngs_modulus").refuses(&[
+        "a unit is wrong: with the column mass [kg] divided by 1000",
+        "check the unit in the header",
+    ]);
     folder.run("calibrate nothing.toml --free length").refuses(&["no file named nothing.toml"]);
     let bad = fs::read_to_string(folder.path("try.toml")).unwrap() + "\n[calibrate]\nfree = [\"weight\"]\n";
     fs::write(folder.path("bad.toml"), bad).unwrap();

@@ -7,7 +7,7 @@ use crate::Error;
 use crate::numeric::least_squares::{self, Evaluation, Minimum};
 use crate::statics::{self, Workspace};
 use crate::verify::Experiment;
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -19,6 +19,10 @@ const FINEST: f64 = 1e-10;
 const CONVERGED: f64 = 1e-10;
 /// A cost, in squares of reading errors, that nobody sees.
 const NEGLIGIBLE: f64 = 1e-12;
+/// Factor by which a step may change what must stay above 0: derivatives tell nothing of a rod without stiffness.
+const MOST_GROWTH: f64 = 4.0;
+/// Trial values without equilibrium after which a fit gives up.
+const MOST_FAILURES: usize = 30;
 
 /// A problem with what its solution needs again and again.
 #[derive(Clone)]
@@ -36,6 +40,17 @@ pub(super) struct Fit<'a> {
     /// What the watcher is told.
     pub(super) stage: String,
     evaluations: usize,
+    /// Where it was evaluated last.
+    last: Option<Evaluated>,
+}
+
+/// Everything at one place, with reading errors as stated.
+#[derive(Clone)]
+struct Evaluated {
+    x: DVector<f64>,
+    at: Evaluation,
+    /// (rows x points), bench axes; no points of rows that weigh nothing.
+    points: Points,
 }
 
 impl<'a> Fit<'a> {
@@ -59,8 +74,8 @@ impl<'a> Fit<'a> {
         let tolerance = settings.tolerance.min(wanted);
         let settings = statics::Settings { stations: 0, eigenvalue: false, tolerance, ..settings.clone() };
         let workspaces = vec![Workspace::default(); experiment.rows.len()];
-        let (stage, evaluations) = ("fit".to_owned(), 0);
-        Ok(Fit { problem, base, start, scale, settings, workspaces, ignored: 0..0, stage, evaluations })
+        let (stage, evaluations, last) = ("fit".to_owned(), 0, None);
+        Ok(Fit { problem, base, start, scale, settings, workspaces, ignored: 0..0, stage, evaluations, last })
     }
 
     /// In SI, of variables in units of their scale.
@@ -75,39 +90,70 @@ impl<'a> Fit<'a> {
         )
     }
 
-    /// Residuals over reading errors of every coordinate, then of the priors; theory (44).
+    /// Residuals over reading errors, so many times as large as stated, of every coordinate, then of the priors; theory (44).
     pub(super) fn evaluate(&mut self, x: &DVector<f64>, error_scale: f64) -> Result<Evaluation, Error> {
+        let mut at = self.evaluated(x)?.at.clone();
+        let measured = self.problem.coordinates();
+        at.residuals.rows_mut(0, measured).unscale_mut(error_scale);
+        at.jacobian.rows_mut(0, measured).unscale_mut(error_scale);
+        Ok(at)
+    }
+
+    /// Points of every row there, bench axes.
+    pub(super) fn points_at(&mut self, x: &DVector<f64>) -> Result<Points, Error> {
+        self.evaluated(x).map(|found| found.points.clone())
+    }
+
+    /// Solves and differentiates every row, unless that was what it did last.
+    fn evaluated(&mut self, x: &DVector<f64>) -> Result<&Evaluated, Error> {
+        let known = self.last.take().filter(|last| last.x == *x);
+        let found = known.map_or_else(|| self.solve(x), Ok)?;
+        Ok(self.last.insert(found))
+    }
+
+    fn solve(&mut self, x: &DVector<f64>) -> Result<Evaluated, Error> {
         let values = self.values(x);
-        let Fit { problem, base, scale, settings, workspaces, .. } = self;
-        let (experiment, parameters) = (&problem.experiment, &problem.parameters);
-        let trial = Trial::new(experiment, parameters, base, &values, scale);
+        let Fit { problem, base, scale, settings, workspaces, ignored, evaluations, .. } = self;
+        let experiment = &problem.experiment;
+        let trial = Trial::new(experiment, &problem.parameters, base, &values, scale);
         let rows = workspaces.par_iter_mut().enumerate();
-        let ignored = self.ignored.clone();
         let predicted = rows.map(|(row, workspace)| {
             let predict =
                 || trial.row(row, settings, workspace).map_err(|error| in_row(experiment, row, error));
             (!ignored.contains(&row)).then(predict).transpose()
         });
-        // all of them, so that the first error is that of the first row
-        let predicted: Vec<_> = predicted.collect();
-        let predicted = predicted.into_iter().collect::<Result<Vec<Option<Predicted>>, Error>>()?;
+        let predicted: Vec<Option<Predicted>> = if *evaluations == 0 {
+            // all of them, so that the first error is that of the first row
+            let all: Vec<_> = predicted.collect();
+            all.into_iter().collect::<Result<_, Error>>()?
+        } else {
+            // a trial: one row without equilibrium refuses it
+            predicted.collect::<Result<_, Error>>()?
+        };
+        self.evaluations += 1;
+        let at = self.compared(&predicted, &values);
+        let points = predicted.into_iter().map(|row| row.map(|row| row.points).unwrap_or_default());
+        Ok(Evaluated { x: x.clone(), at, points: points.collect() })
+    }
 
+    /// Predictions against readings and values against priors.
+    fn compared(&self, predicted: &[Option<Predicted>], values: &[f64]) -> Evaluation {
+        let Problem { experiment, parameters, .. } = self.problem;
         let priors = parameters.iter().filter(|parameter| parameter.prior.is_some()).count();
-        let coordinates = problem.coordinates();
+        let coordinates = self.problem.coordinates();
         let mut residuals = DVector::zeros(coordinates + priors);
         let mut jacobian = DMatrix::zeros(coordinates + priors, parameters.len());
         let mut k = 0;
-        for (row, predicted) in experiment.rows.iter().zip(&predicted) {
+        for (row, predicted) in experiment.rows.iter().zip(predicted) {
             let Some(predicted) = predicted else {
                 k += coordinates / experiment.rows.len();
                 continue;
             };
             for (i, point) in experiment.points.iter().enumerate() {
-                let error = point.reading_error * error_scale;
                 for &axis in &point.axes {
-                    residuals[k] = (predicted.points[i][axis] - row.observed[i][axis]) / error;
+                    residuals[k] = (predicted.points[i][axis] - row.observed[i][axis]) / point.reading_error;
                     for j in 0..parameters.len() {
-                        jacobian[(k, j)] = predicted.derivatives[j][i][axis] / error;
+                        jacobian[(k, j)] = predicted.derivatives[j][i][axis] / point.reading_error;
                     }
                     k += 1;
                 }
@@ -116,20 +162,21 @@ impl<'a> Fit<'a> {
         for (j, parameter) in parameters.iter().enumerate() {
             if let Some(prior) = parameter.prior {
                 residuals[k] = (values[j] - prior.value) / prior.standard_error;
-                jacobian[(k, j)] = scale[j] / prior.standard_error;
+                jacobian[(k, j)] = self.scale[j] / prior.standard_error;
                 k += 1;
             }
         }
-        self.evaluations += 1;
-        Ok(Evaluation { residuals, jacobian })
+        Evaluation { residuals, jacobian }
     }
 
     /// No residuals, with given derivatives, SI (coordinates x parameters), and those of the priors.
-    pub(super) fn exact(&self, jacobian: &DMatrix<f64>) -> Evaluation {
+    pub(super) fn exact(&self, jacobian: &DMatrix<f64>, error_scale: f64) -> Evaluation {
         let points = &self.problem.experiment.points;
         let per_row: Vec<f64> =
             points.iter().flat_map(|point| point.axes.iter().map(|_| point.reading_error)).collect();
-        let scaled = |k: usize, j: usize| jacobian[(k, j)] * self.scale[j] / per_row[k % per_row.len()];
+        let scaled = |k: usize, j: usize| {
+            jacobian[(k, j)] * self.scale[j] / (per_row[k % per_row.len()] * error_scale)
+        };
         let measured = DMatrix::from_fn(jacobian.nrows(), self.scale.len(), scaled);
         let priors: Vec<(usize, f64)> = (0..self.scale.len())
             .filter_map(|j| Some((j, self.scale[j] / self.problem.parameters[j].prior?.standard_error)))
@@ -156,8 +203,13 @@ impl<'a> Fit<'a> {
             Loss::Squares => least_squares::Loss::Squares,
             Loss::Huber => least_squares::Loss::Huber { threshold: super::HUBER_THRESHOLD },
         };
-        let settings =
-            least_squares::Settings { tolerance: CONVERGED, negligible: NEGLIGIBLE, ..Default::default() };
+        let settings = least_squares::Settings {
+            tolerance: CONVERGED,
+            negligible: NEGLIGIBLE,
+            most_growth: MOST_GROWTH,
+            most_failures: MOST_FAILURES,
+            ..Default::default()
+        };
         let per_row = self.problem.coordinates() / self.problem.experiment.rows.len();
         let unseen = self.ignored.len() * per_row;
         least_squares::minimize(from, &bounds, loss, &settings, &mut |x| {
@@ -170,7 +222,7 @@ impl<'a> Fit<'a> {
     }
 
     /// Points of every row with these values, bench axes.
-    pub(super) fn points(&mut self, values: &[f64]) -> Result<Vec<Vec<Vector3<f64>>>, Error> {
+    pub(super) fn points(&mut self, values: &[f64]) -> Result<Points, Error> {
         let setup = self.base.with(&self.problem.parameters, values);
         let experiment = &self.problem.experiment;
         let (mounted, acting) = (setup.mounted(experiment), setup.acting(experiment));

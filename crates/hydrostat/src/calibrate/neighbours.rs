@@ -1,12 +1,16 @@
 //! Whether rows next to each other err alike: a test that sees sizes and directions, where runs see signs alone.
 
 use super::CalibratedRow;
+use crate::numeric::random::Random;
 use crate::verify::Experiment;
+use rayon::prelude::*;
 
 /// With fewer rows every order is much like any other.
 const FEWEST_ROWS: usize = 6;
 /// Random orders; they leave a fifth of a percent of error in a chance of 5 %.
 const ORDERS: usize = 9_999;
+/// Parts of them, on all cores.
+const BLOCKS: usize = 9;
 
 /// How rows next to each other err.
 pub(super) struct Alike {
@@ -33,9 +37,10 @@ pub(super) fn alike(experiment: &Experiment, rows: &[CalibratedRow]) -> Option<A
         }
         _ => "the order of the rows".to_owned(),
     };
-    let residuals: Vec<Vec<f64>> = order.iter().map(|row| in_reading_errors(experiment, row)).collect();
-    let correlation = correlation(&residuals);
-    Some(Alike { along, chance: chance(residuals), correlation })
+    let rows: Vec<Vec<f64>> = order.iter().map(|row| in_reading_errors(experiment, row)).collect();
+    let column = |k: usize| rows.iter().map(|row| row[k]).collect();
+    let residuals = Residuals { columns: (0..rows[0].len()).map(column).collect() };
+    Some(Alike { along, chance: residuals.chance(), correlation: residuals.correlation() })
 }
 
 fn in_reading_errors(experiment: &Experiment, row: &CalibratedRow) -> Vec<f64> {
@@ -48,32 +53,62 @@ fn in_reading_errors(experiment: &Experiment, row: &CalibratedRow) -> Vec<f64> {
         .collect()
 }
 
-fn likeness(residuals: &[Vec<f64>]) -> f64 {
-    let pairs = residuals.windows(2);
-    pairs.map(|pair| pair[0].iter().zip(&pair[1]).map(|(a, b)| a * b).sum::<f64>()).sum()
+/// In reading errors, (coordinates x rows).
+struct Residuals {
+    columns: Vec<Vec<f64>>,
 }
 
-fn correlation(residuals: &[Vec<f64>]) -> f64 {
-    let squares: f64 = residuals.iter().flatten().map(|r| r * r).sum();
-    likeness(residuals) / squares.max(f64::MIN_POSITIVE)
-}
+/// Part of the squares by which rounding may tell equal sums apart.
+const ROUNDING: f64 = 1e-12;
 
-fn chance(mut residuals: Vec<Vec<f64>>) -> f64 {
-    let found = likeness(&residuals);
-    // the same orders at every run (Knuth's MMIX)
-    let mut state = 1_u64;
-    let mut below = |n: usize| {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        ((state >> 33) as usize * n) >> 31
-    };
-    let mut as_much = 1;
-    for _ in 0..ORDERS {
-        for i in (1..residuals.len()).rev() {
-            residuals.swap(i, below(i + 1));
-        }
-        as_much += usize::from(likeness(&residuals) >= found);
+impl Residuals {
+    fn rows(&self) -> Vec<usize> {
+        (0..self.columns.first().map_or(0, Vec::len)).collect()
     }
-    as_much as f64 / (ORDERS + 1) as f64
+
+    fn squares(&self) -> f64 {
+        self.columns.iter().flatten().map(|r| r * r).sum()
+    }
+
+    /// Sum over rows that are next to each other in an order, theory (50).
+    fn likeness(&self, order: &[usize]) -> f64 {
+        let mut sum = 0.0;
+        for column in &self.columns {
+            let mut last = 0.0;
+            for &row in order {
+                sum += last * column[row];
+                last = column[row];
+            }
+        }
+        sum
+    }
+
+    fn correlation(&self) -> f64 {
+        self.likeness(&self.rows()) / self.squares().max(f64::MIN_POSITIVE)
+    }
+
+    fn chance(&self) -> f64 {
+        let found = self.likeness(&self.rows()) - ROUNDING * self.squares();
+        let as_much = |block| {
+            let mut order = self.rows();
+            // the same orders at every run (Knuth's MMIX)
+            let mut state = Random::new(0, block).below(u64::MAX);
+            let mut below = |n: usize| {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                ((state >> 33) as usize * n) >> 31
+            };
+            let mut as_much = 0;
+            for _ in 0..ORDERS / BLOCKS {
+                for i in (1..order.len()).rev() {
+                    order.swap(i, below(i + 1));
+                }
+                as_much += usize::from(self.likeness(&order) >= found);
+            }
+            as_much
+        };
+        let as_much: usize = (0..BLOCKS).into_par_iter().map(as_much).sum();
+        (as_much + 1) as f64 / (ORDERS + 1) as f64
+    }
 }
 
 #[cfg(test)]
@@ -93,7 +128,7 @@ mod tests {
                 }
             }
         }
-        let found = chance(values.iter().map(|value| vec![*value]).collect());
+        let found = Residuals { columns: vec![values.to_vec()] }.chance();
         assert!((found - as_much as f64 / 24.0).abs() < 0.015, "{found} {as_much}");
     }
 }

@@ -48,7 +48,7 @@ impl Parameter {
                         found.len()
                     ))
                     .hint(format!(
-                        "free one of {}, or give them one value: {}",
+                        "name one of {}, or give them one value: {}",
                         paths.join(", "),
                         paths.join("+")
                     )));
@@ -71,7 +71,7 @@ impl Parameter {
                 other.path(experiment)
             )));
         }
-        let bounds = [parts[0].lowest().unwrap_or(f64::NEG_INFINITY), f64::INFINITY];
+        let bounds = parts[0].possible();
         Ok(Parameter { name: name.to_owned(), parts, bounds, bounded: false, prior: None })
     }
 
@@ -154,7 +154,10 @@ fn matches(pattern: &str, path: &str, part: &Part, experiment: &Experiment) -> b
 }
 
 fn unknown(pattern: &str, all: &[(String, Part)]) -> Error {
-    let error = Error::new(format!("there is no parameter \"{pattern}\" to free"));
+    let error = Error::new(format!("there is no parameter \"{pattern}\""));
+    if pattern.rsplit('.').next() == Some("poisson_ratio") {
+        return error.hint("Poisson's ratio shows through the shear modulus alone: name shear_modulus, which is E / (2 (1 + ratio))");
+    }
     let ends = all.iter().flat_map(|(path, _)| path.match_indices('.').map(|(at, _)| &path[at + 1..]));
     let nearest = ends.min_by_key(|end| strsim::damerau_levenshtein(pattern, end));
     match nearest.filter(|end| strsim::damerau_levenshtein(pattern, end) <= (end.len() / 3).max(1)) {

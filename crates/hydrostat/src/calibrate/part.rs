@@ -62,7 +62,7 @@ pub enum Part {
     },
     /// About the bench's z axis; on top of the file's.
     MountAngle,
-    /// Added to every mass of a varied input.
+    /// Added to every mass of a varied input that is not 0.
     MassOffset {
         input: usize,
     },
@@ -135,6 +135,16 @@ impl Part {
             | Part::GuideMass { .. }
             | Part::Backlash { .. } => Some(0.0),
             _ => None,
+        }
+    }
+
+    /// Between these a fit keeps it where the user gives no bounds: what is possible, and for materials what any solid has (gels to
+    /// diamond; the densest ones with other parts counted in).
+    pub(super) fn possible(&self) -> [f64; 2] {
+        match self {
+            Part::YoungsModulus { .. } | Part::ShearModulus { .. } => [1e3, 1500e9],
+            Part::Density { .. } => [0.0, 250e3],
+            _ => [self.lowest_possible(), f64::INFINITY],
         }
     }
 

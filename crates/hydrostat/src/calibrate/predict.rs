@@ -23,8 +23,8 @@ pub(super) struct Trial<'a> {
 
 /// How a parameter moves what is measured.
 enum Way {
-    /// Through the robot: a little behind and ahead of its value.
-    Robot(Box<[Side; 2]>),
+    /// Through the robot: a little behind and ahead of its value, by a part of its scale.
+    Robot(Box<[Side; 2]>, f64),
     /// Through commands alone: per row, tendons and the change of their displacement per scale.
     Commands(Vec<Vec<(usize, f64)>>),
     /// The points themselves: one offset per point, body frame, per scale.
@@ -56,10 +56,14 @@ impl<'a> Trial<'a> {
         let (mounted, acting) = (setup.mounted(experiment), setup.acting(experiment));
         let first = experiment.robot_in(&mounted, &acting[0]);
         let way = |j: usize| {
+            let lowest = parameters[j].parts[0].lowest_possible();
+            // far below its scale a value that stays above 0 is its own
+            let small = lowest > 0.0 && values[j] < scale[j];
+            let part = if small { STEP * values[j] / scale[j] } else { STEP };
             let beside = |side: f64| {
                 // where a value may not be negative the difference moves inside
-                let step = STEP * scale[j];
-                let middle = values[j].max(parameters[j].parts[0].lowest_possible() + step);
+                let step = part * scale[j];
+                let middle = values[j].max(lowest + step);
                 let mut values = values.to_vec();
                 values[j] = middle + side * step;
                 base.with(parameters, &values)
@@ -73,14 +77,17 @@ impl<'a> Trial<'a> {
                     &beside(-1.0).acting(experiment),
                     &beside(1.0).acting(experiment),
                 )),
-                Part::MassOffset { .. } => Way::Robot(Box::new([-1.0, 1.0].map(|side| {
-                    let beside = beside(side);
-                    Side { mounted: beside.mounted(experiment), acting: Some(beside.acting(experiment)) }
-                }))),
-                _ => Way::Robot(Box::new([-1.0, 1.0].map(|side| {
-                    let mounted = beside(side).mounted(experiment);
-                    Side { mounted, acting: None }
-                }))),
+                Part::MassOffset { .. } => {
+                    let side = |side| {
+                        let beside = beside(side);
+                        Side { mounted: beside.mounted(experiment), acting: Some(beside.acting(experiment)) }
+                    };
+                    Way::Robot(Box::new([-1.0, 1.0].map(side)), part)
+                }
+                _ => {
+                    let side = |side| Side { mounted: beside(side).mounted(experiment), acting: None };
+                    Way::Robot(Box::new([-1.0, 1.0].map(side)), part)
+                }
             }
         };
         let ways = (0..parameters.len()).map(way).collect();
@@ -106,14 +113,12 @@ impl<'a> Trial<'a> {
         let rotations: Vec<Matrix3<f64>> = (0..places.len()).map(turned).collect();
 
         // one more right-hand side for every parameter of the robot and every tendon that is moved
-        let robots: Vec<Option<[Robot; 2]>> = self.ways.iter().map(|way| self.beside(row, way)).collect();
+        let robots: Vec<([Robot; 2], f64)> =
+            self.ways.iter().filter_map(|way| self.beside(row, way)).collect();
         let moved = self.moved(row);
         let mut inputs: Vec<Input> = moved.iter().map(|tendon| Input::Command(*tendon)).collect();
-        inputs.extend(robots.iter().flatten().map(|[behind, ahead]| Input::Parameter {
-            behind,
-            ahead,
-            step: STEP,
-        }));
+        let beside = robots.iter();
+        inputs.extend(beside.map(|([behind, ahead], step)| Input::Parameter { behind, ahead, step: *step }));
         let found = statics::derivatives(&robot, workspace, &places, &inputs)?;
         let inverse = experiment.axes.rotation.inverse();
         let point = |derivative: &crate::solution::Derivative, i: usize| {
@@ -122,7 +127,7 @@ impl<'a> Trial<'a> {
         };
         let mut of_robots = found[moved.len()..].iter();
         let derivatives = self.ways.iter().map(|way| match way {
-            Way::Robot(_) => {
+            Way::Robot(..) => {
                 let derivative = of_robots.next();
                 let of = |i| derivative.map_or_else(Vector3::zeros, |derivative| point(derivative, i));
                 (0..places.len()).map(of).collect()
@@ -144,13 +149,13 @@ impl<'a> Trial<'a> {
         Ok(Predicted { derivatives: derivatives.collect(), points })
     }
 
-    /// The robots on both sides of a parameter in a row.
-    fn beside(&self, row: usize, way: &Way) -> Option<[Robot; 2]> {
-        let Way::Robot(sides) = way else { return None };
+    /// The robots on both sides of a parameter in a row, and how far away.
+    fn beside(&self, row: usize, way: &Way) -> Option<([Robot; 2], f64)> {
+        let Way::Robot(sides, part) = way else { return None };
         let robot = |Side { mounted, acting }: &Side| {
             self.experiment.robot_in(mounted, &acting.as_ref().unwrap_or(&self.acting)[row])
         };
-        Some([robot(&sides[0]), robot(&sides[1])])
+        Some(([robot(&sides[0]), robot(&sides[1])], *part))
     }
 
     /// Tendons whose displacement a parameter changes in a row.

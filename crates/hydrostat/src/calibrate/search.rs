@@ -1,7 +1,7 @@
 //! Fits from several starts, and of parts of the rows.
 
 use super::fit::Fit;
-use super::{LEAST_INFLUENCE, Loss, Parameter, Problem, Progress, verdict};
+use super::{LEAST_INFLUENCE, Loss, Parameter, Problem, Progress, plausible};
 use crate::Error;
 use crate::numeric::least_squares::Minimum;
 use crate::statics::Settings;
@@ -24,12 +24,13 @@ pub(super) fn from_several_starts(
     watch: &mut dyn FnMut(&Progress),
 ) -> Result<(Minimum, Option<String>), Error> {
     let count = fit.problem.starts.max(1);
+    if count == 1 {
+        return Ok((fit.minimize(first, 1.0, Loss::Squares, watch)?, None));
+    }
     let mut ends: Vec<(f64, Minimum, Fit)> = Vec::new();
     let mut refusal = None;
     for k in 0..count {
-        if count > 1 {
-            fit.stage = format!("start {} of {count}", k + 1);
-        }
+        fit.stage = format!("start {} of {count}", k + 1);
         let start = if k == 0 { first.clone() } else { other_start(fit, k) };
         // shapes of its own: where a row has two, no start follows another
         let mut own = fit.clone();
@@ -44,20 +45,17 @@ pub(super) fn from_several_starts(
         return Err(refusal.unwrap_or_else(|| Error::new("no start led to a fit")));
     };
     let same = ends.iter().filter(|(cost, ..)| cost - lowest <= SAME_COST * lowest + SAME_SQUARES).count();
-    let told = (count > 1).then(|| {
-        let mut told = format!("{same} of {count} starts lead to this fit");
-        let higher = count - refused - same;
-        if higher > 0 {
-            told += &format!(", {higher} to worse ones");
-        }
-        if refused > 0 {
-            told += &format!(", {refused} to none");
-        }
-        told + "."
-    });
+    let mut told = format!("{same} of {count} starts lead to this fit");
+    let higher = count - refused - same;
+    if higher > 0 {
+        told += &format!(", {higher} to worse ones");
+    }
+    if refused > 0 {
+        told += &format!(", {refused} to none");
+    }
     let (_, minimum, best) = ends.swap_remove(0);
     *fit = best;
-    Ok((minimum, told))
+    Ok((minimum, Some(told + ".")))
 }
 
 /// Evenly spread by an additive recurrence (Roberts 2018), the same at every run.
@@ -90,7 +88,7 @@ fn start_of(parameter: &Parameter, value: f64, scale: f64, part: f64) -> f64 {
         }
         None if parameter.bounded => low + part * (high - low),
         None if low >= 0.0 && value > 0.0 => {
-            value * (1.0 + verdict::tolerated(&parameter.parts[0]).unwrap_or(SPREAD)).powf(side)
+            value * (1.0 + plausible::tolerated(&parameter.parts[0]).unwrap_or(SPREAD)).powf(side)
         }
         None => value + SPREAD_OF_SIGNED * scale * side,
     };

@@ -2,7 +2,7 @@
 
 use super::{HUBER_THRESHOLD, Loss, Problem};
 use crate::numeric::least_squares::{Evaluation, Minimum};
-use crate::verify::PointError;
+use crate::verify::{Experiment, Point, PointError, Row};
 use nalgebra::{DMatrix, DVector, SymmetricEigen, Vector3};
 use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 
@@ -16,6 +16,8 @@ const MEDIAN_TO_DEVIATION: f64 = 1.482_602_218_505_602;
 const SINGULAR: f64 = 1e-9;
 /// Part of the largest eigenvalue at which a correlation is about 0.999.
 const DEGENERATE: f64 = 1e-3;
+/// Root of the part of a direction's information below which the other rows do not see it.
+const LEAST_PIVOT: f64 = 1e-4;
 /// Part of a singular direction that spoils a parameter.
 const INVOLVED: f64 = 1e-6;
 
@@ -23,6 +25,8 @@ const INVOLVED: f64 = 1e-6;
 pub(super) struct Statistics {
     /// (J^T J)^-1 of what is determined (parameters x parameters).
     inverse: DMatrix<f64>,
+    /// Directions that are determined, of one standard error each (parameters x directions).
+    basis: DMatrix<f64>,
     /// Covariance over the inverse.
     inflation: f64,
     /// Errors over the stated reading errors.
@@ -105,7 +109,7 @@ impl Statistics {
         let pairs: Vec<(f64, DVector<f64>)> = pairs.collect();
         let largest = pairs.iter().map(|(value, _)| *value).fold(0.0, f64::max);
         let mut eigen: Vec<(f64, DVector<f64>)> = Vec::new();
-        let mut inverse = DMatrix::zeros(count, count);
+        let mut columns: Vec<DVector<f64>> = Vec::new();
         let mut determined: Vec<bool> = held.iter().map(|held| !held).collect();
         for (value, direction) in pairs {
             let mut vector = DVector::zeros(count);
@@ -117,12 +121,14 @@ impl Statistics {
                     determined[j] &= vector[j].powi(2) < INVOLVED;
                 }
             } else {
-                let scaled = DVector::from_fn(count, |j, _| vector[j] / norms[j].max(f64::MIN_POSITIVE));
-                inverse += &scaled * scaled.transpose() / value;
+                let of = |j: usize| vector[j] / norms[j].max(f64::MIN_POSITIVE) / value.sqrt();
+                columns.push(DVector::from_fn(count, |j, _| of(j)));
             }
             eigen.push((value.max(0.0), vector));
         }
         eigen.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let basis = DMatrix::from_fn(count, columns.len(), |j, k| columns[k][j]);
+        let inverse = &basis * basis.transpose();
         let leverage = at.jacobian.row_iter().map(|row| (row * &inverse).dot(&row)).collect();
 
         let coordinates = problem.coordinates();
@@ -131,6 +137,7 @@ impl Statistics {
         let estimated = error_scale > 1.0;
         Statistics {
             inverse,
+            basis,
             inflation: huber_factor(problem, at, index.len()),
             error_scale,
             determined,
@@ -190,30 +197,41 @@ impl Statistics {
     pub(super) fn left_out(&self, problem: &Problem, at: &Evaluation) -> Option<Vec<Vec<PointError>>> {
         let experiment = &problem.experiment;
         let per_row = problem.coordinates() / experiment.rows.len();
-        let mut all = Vec::new();
-        for (number, row) in experiment.rows.iter().enumerate() {
-            let jacobian = at.jacobian.rows(number * per_row, per_row);
-            let hat = jacobian * &self.inverse * jacobian.transpose();
-            let rest = (DMatrix::identity(per_row, per_row) - hat).cholesky()?;
+        // in the basis the normal matrix of squares is one
+        let jacobian = &at.jacobian * &self.basis;
+        let mut bent = jacobian.clone();
+        for (mut row, r) in bent.row_iter_mut().zip(&at.residuals) {
+            row *= bend(problem.loss, *r);
+        }
+        let normal = bent.tr_mul(&jacobian);
+        let off = |number: usize| -> Option<DVector<f64>> {
+            let own = jacobian.rows(number * per_row, per_row);
+            let residuals = at.residuals.rows(number * per_row, per_row);
+            let pull = residuals.map(|r| r * weight(problem.loss, r));
+            let others = (&normal - bent.rows(number * per_row, per_row).tr_mul(&own)).cholesky()?;
             // the row alone determines something
-            if rest.l_dirty().diagonal().iter().any(|pivot| *pivot < 1e-4) {
+            if others.l_dirty().diagonal().iter().any(|pivot| *pivot < LEAST_PIVOT) {
                 return None;
             }
-            let off = rest.solve(&at.residuals.rows(number * per_row, per_row));
-            let mut k = 0;
-            let mut errors = Vec::new();
-            for (point, observed) in experiment.points.iter().zip(&row.observed) {
-                let mut away = Vector3::zeros();
-                for &axis in &point.axes {
-                    away[axis] = off[k] * point.reading_error * self.error_scale;
-                    k += 1;
-                }
-                let predicted = observed + away;
-                errors.push(PointError { at: point.at, predicted, observed: *observed, error: away.norm() });
+            Some(residuals + own * others.solve(&own.tr_mul(&pull)))
+        };
+        let rows = experiment.rows.iter().enumerate();
+        rows.map(|(number, row)| Some(self.as_errors(experiment, row, &off(number)?))).collect()
+    }
+
+    /// Errors of a row from its residuals.
+    fn as_errors(&self, experiment: &Experiment, row: &Row, off: &DVector<f64>) -> Vec<PointError> {
+        let mut off = off.iter();
+        let points = experiment.points.iter().zip(&row.observed);
+        let error = |(point, observed): (&Point, &Vector3<f64>)| {
+            let mut away = Vector3::zeros();
+            for (&axis, off) in point.axes.iter().zip(&mut off) {
+                away[axis] = off * point.reading_error * self.error_scale;
             }
-            all.push(errors);
-        }
-        Some(all)
+            let predicted = observed + away;
+            PointError { at: point.at, predicted, observed: *observed, error: away.norm() }
+        };
+        points.map(error).collect()
     }
 
     /// Coordinates that lie off by more than chance allows among so many, theory (49): index, standard errors off.
@@ -235,6 +253,22 @@ impl Statistics {
             .map(|k| (k, off(k)))
             .filter(|(_, off)| 2.0 * distribution.sf(*off) * (coordinates as f64) < SIGNIFICANCE)
             .collect()
+    }
+}
+
+/// How a residual pulls, over itself.
+fn weight(loss: Loss, residual: f64) -> f64 {
+    match loss {
+        Loss::Huber if residual.abs() > HUBER_THRESHOLD => HUBER_THRESHOLD / residual.abs(),
+        _ => 1.0,
+    }
+}
+
+/// Half the second derivative of the loss.
+fn bend(loss: Loss, residual: f64) -> f64 {
+    match loss {
+        Loss::Huber if residual.abs() > HUBER_THRESHOLD => 0.0,
+        _ => 1.0,
     }
 }
 

@@ -1,9 +1,8 @@
 //! What the numbers mean, in words.
 
 use super::neighbours::Alike;
-use super::part::Part;
 use super::statistics::{SIGNIFICANCE, Statistics};
-use super::{Calibration, Estimate, Loss, Problem};
+use super::{Calibration, Estimate, Loss, Problem, outliers, plausible};
 use crate::numeric::least_squares::Evaluation;
 use crate::verify::Systematic;
 use nalgebra::DVector;
@@ -20,8 +19,8 @@ pub(super) fn verdict(
     verdict.extend(unexplained(problem, calibration));
     verdict.push(match &calibration.left_out {
         Some(errors) => format!(
-            "A row that the fit has not seen is predicted within {:.2} mm on average ({:.2} mm at most), against {:.2} mm for \
-             those that it has.",
+            "A row that the fit has not seen is predicted, to first order, within {:.2} mm on average ({:.2} mm at most), against \
+             {:.2} mm for those that it has.",
             1e3 * errors.mean,
             1e3 * errors.max,
             1e3 * calibration.after.mean
@@ -50,17 +49,24 @@ pub(super) fn verdict(
     verdict
 }
 
-/// Whether the residuals follow an input: runs of their sign, and the likeness of neighbours.
-pub(super) fn follows(runs: Vec<Systematic>, alike: Option<Alike>) -> Vec<String> {
-    let mut sentences: Vec<String> = runs.into_iter().map(|found| found.sentence).collect();
-    sentences.extend(alike.map(|Alike { along: column, chance, .. }| {
-        let shown = if chance < SIGNIFICANCE { "is systematic" } else { "is not shown to be systematic" };
-        format!(
-            "By sizes the residual {shown} with {column}: rows next to each other err as much alike in {} of all orders.",
-            percent(chance)
-        )
-    }));
-    sentences
+/// Whether the residuals follow an input: runs of their sign, and the likeness of neighbours, in one sentence.
+pub(super) fn follows(runs: Option<Systematic>, alike: Option<Alike>) -> Option<String> {
+    let Some(Alike { along, chance, .. }) = alike else { return runs.map(|found| found.sentence) };
+    let sizes = format!("rows next to each other err as much alike in {} of all orders", percent(chance));
+    let by_size = chance < SIGNIFICANCE;
+    let Some(Systematic { is: by_sign, sentence, runs }) = runs else {
+        let shown = if by_size { "is systematic" } else { "is not shown to be systematic" };
+        return Some(format!("By sizes the residual {shown} with {along}: {sizes}."));
+    };
+    let sentence = sentence.trim_end_matches('.');
+    Some(match (by_sign, by_size) {
+        (true, true) => format!("{sentence}. Its sizes say the same: {sizes}."),
+        (false, false) => format!("{sentence}, and its sizes do not show it either: {sizes}."),
+        (true, false) => format!("{sentence}. Its signs alone show it, its sizes do not: {sizes}."),
+        (false, true) => format!(
+            "The residual is systematic with {along}: its signs alone do not show it ({runs}), but its sizes do: {sizes}."
+        ),
+    })
 }
 
 /// Rows and correlation of neighbours from which intervals count as too narrow.
@@ -261,129 +267,27 @@ pub(super) fn warnings(
                 estimate.parameter.show(estimate.value, None)
             ));
         }
-        warnings.extend(unphysical(problem, estimate));
-        warnings.extend(loose(estimate));
-        warnings.extend(against_prior(estimate));
+        warnings.extend(cut(estimate));
+        warnings.extend(plausible::doubts(problem, estimate));
     }
-    warnings.extend(outliers(problem, statistics, at));
+    warnings.extend(outliers::sentences(problem, &statistics.outliers(problem, at)));
     warnings.extend(repeated_rows(problem));
     warnings.extend(constant_columns(problem, calibration));
     warnings
 }
 
-/// How far from its stated value a quantity may be found before something else is meant: moduli differ by alloy, heat and
-/// direction of fibres, dimensions by tolerance, a density hardly.
-pub(super) fn tolerated(part: &Part) -> Option<f64> {
-    match part {
-        Part::YoungsModulus { .. } | Part::ShearModulus { .. } => Some(1.0),
-        Part::Density { .. } => Some(0.15),
-        Part::Length { .. } => Some(0.05),
-        Part::Dimension { .. } => Some(0.1),
-        Part::HoleRadius { .. } => Some(0.25),
-        _ => None,
-    }
-}
-
-/// Angles of mounting that are seen with the eye, rad.
-const SEEN: f64 = 0.17;
-/// Part of the largest mass that no scale is off by.
-const MASS_OFF: f64 = 0.1;
-
-fn unphysical(problem: &Problem, estimate: &Estimate) -> Option<String> {
-    let Estimate { parameter, before, value, .. } = estimate;
-    let name = &parameter.name;
-    let shown = parameter.show(*value, estimate.standard_error);
-    let part = &parameter.parts[0];
-    if let Some(tolerated) = tolerated(part) {
-        let ratio = value / before;
-        let plausible = ratio <= 1.0 + tolerated && ratio >= 1.0 / (1.0 + tolerated);
-        return (*before > 0.0 && !plausible).then(|| {
-            format!(
-                "{name} = {shown} is {ratio:.2} times the stated {}: as a physical value this is implausible, and more likely it stands \
-                 for something that the model or the bench has and the fit has not.",
-                parameter.show(*before, None)
-            )
-        });
-    }
-    match part {
-        Part::MountAngle | Part::BaseRotation { .. } | Part::HoleAngle { .. }
-            if (value - before).abs() > SEEN =>
-        {
-            Some(format!(
-                "{name} = {shown} is farther from the stated {} than the eye would miss.",
-                parameter.show(*before, None)
-            ))
-        }
-        Part::MassOffset { input } => {
-            let masses = || problem.experiment.rows.iter().map(|row| row.inputs[*input]);
-            let largest = masses().fold(0.0, f64::max);
-            if masses().any(|mass| mass + value < -1e-9 * largest) {
-                Some(format!("{name} = {shown} makes a hung mass negative, which is unphysical."))
-            } else {
-                (value.abs() > MASS_OFF * largest).then(|| {
-                    format!("{name} = {shown} is more than a tenth of the largest mass: no scale is off by so much.")
-                })
-            }
-        }
-        _ => None,
-    }
-}
-
-/// Part of a value from which its standard error says that it is not known.
-const NOT_KNOWN: f64 = 0.5;
-
-fn loose(estimate: &Estimate) -> Option<String> {
-    let Estimate { parameter, value, .. } = estimate;
-    let error = estimate.standard_error?;
-    let signed = parameter.parts[0].lowest_possible() < 0.0;
-    (!signed && *value > 0.0 && error > NOT_KNOWN * value).then(|| {
+/// An interval that ends at a bound.
+fn cut(estimate: &Estimate) -> Option<String> {
+    let Estimate { parameter, standard_error, interval_95, cut, .. } = estimate;
+    let ends = interval_95.iter().flatten().zip(cut).filter(|(_, cut)| **cut);
+    let ends: Vec<String> = ends.map(|(end, _)| parameter.show(*end, *standard_error)).collect();
+    (!ends.is_empty()).then(|| {
         format!(
-            "{} is hardly determined: its standard error is {:.0} % of its value.",
+            "The 95 % interval of {} is cut at its bound, {}: the data alone allow values beyond it.",
             parameter.name,
-            100.0 * error / value
+            ends.join(" and ")
         )
     })
-}
-
-/// Standard errors from which a prior and the data contradict each other.
-const CONTRADICTS: f64 = 3.0;
-
-fn against_prior(estimate: &Estimate) -> Option<String> {
-    let prior = estimate.parameter.prior?;
-    let away = (estimate.value - prior.value) / prior.standard_error;
-    (away.abs() > CONTRADICTS).then(|| {
-        format!(
-            "{} is found {:.1} standard errors from its prior: one of the two is wrong, or the model is.",
-            estimate.parameter.name,
-            away.abs()
-        )
-    })
-}
-
-fn outliers(problem: &Problem, statistics: &Statistics, at: &Evaluation) -> Vec<String> {
-    let experiment = &problem.experiment;
-    let per_row: Vec<(usize, usize)> = experiment
-        .points
-        .iter()
-        .enumerate()
-        .flat_map(|(i, point)| point.axes.iter().map(move |&axis| (i, axis)))
-        .collect();
-    let found = statistics.outliers(problem, at);
-    let advice = match problem.loss {
-        Loss::Squares => "check it, or fit with --loss huber",
-        Loss::Huber => "it pulls little here",
-    };
-    let sentence = |&(k, off): &(usize, f64)| {
-        let (row, (point, axis)) = (k / per_row.len(), per_row[k % per_row.len()]);
-        format!(
-            "row {} ({}): {} of the point at {:.0} mm lies {off:.1} standard errors off and looks like an outlier; {advice}.",
-            row + 1,
-            experiment.inputs_of(&experiment.rows[row]),
-            ["x", "y", "z"][axis],
-            1e3 * experiment.points[point].at
-        )
-    };
-    found.iter().map(sentence).collect()
 }
 
 fn repeated_rows(problem: &Problem) -> Vec<String> {

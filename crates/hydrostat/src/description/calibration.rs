@@ -108,8 +108,8 @@ pub(super) fn problem(
         wanted.parameters = named.collect::<Result<_, Error>>()?;
     }
     if wanted.parameters.is_empty() {
-        return Err(Error::new("nothing is free, so that there is nothing to calibrate").hint(
-            "name what is: --free youngs_modulus,length, or free = [\"youngs_modulus\"] under [calibrate] in the experiment file",
+        return Err(Error::new("nothing is free").hint(
+            "name what may change: --free youngs_modulus,length, or free = [\"youngs_modulus\"] under [calibrate] in the experiment file",
         ));
     }
     for (flag, texts, set) in

@@ -2,21 +2,22 @@
 
 use super::calibration::{self, CalibrationFlags};
 use super::quantity::{self, Kind};
-use super::reader::Table;
+use super::reader::{Node, Table, Value};
 use super::unit::{Unit, quoted};
 use super::{Parsed, experiment, tendon};
 use crate::Error;
-use crate::plan::{Limit, Request};
+use crate::plan::{Choice, Limit, Request};
 use crate::verify::{Experiment, Input, Varied};
 
-pub(super) const PLAN_KEYS: &[&str] = &["limit", "measurements"];
+pub(super) const PLAN_KEYS: &[&str] = &["limit", "measurements", "repeats"];
 
 /// What the flags say; what they leave empty is the file's.
 #[derive(Clone, Debug, Default)]
 pub struct PlanFlags {
-    /// Such as `mass=0 g to 100 g`.
+    /// Such as `mass=0 g to 100 g` or `mass=0 g, 20 g, 50 g`.
     pub limits: Vec<String>,
     pub measurements: Option<usize>,
+    pub repeats: Option<usize>,
     pub seed: u64,
 }
 
@@ -25,6 +26,7 @@ pub struct PlanFlags {
 pub(super) struct Wanted {
     limits: Vec<Limit>,
     measurements: Option<usize>,
+    repeats: Option<usize>,
 }
 
 /// Rows to plan where nothing says how many.
@@ -48,15 +50,19 @@ pub fn parse_plan(
     asked.plan.limits.into_iter().for_each(|limit| put(&mut limits, limit));
     for flag in &flags.limits {
         let (name, range) = flag.split_once('=').ok_or_else(|| {
-            Error::new(format!("found --limit {}, expected NAME=LOW to HIGH", quoted(flag)))
-                .hint("such as --limit \"mass=0 g to 100 g\" or --limit \"mount_angle=0 deg to 60 deg\"")
+            Error::new(format!(
+                "found --limit {}, expected NAME=LOW to HIGH, or NAME=VALUE, VALUE",
+                quoted(flag)
+            ))
+            .hint("such as --limit \"mass=0 g to 100 g\" or --limit \"mount_angle=0 deg, 30 deg, 60 deg\"")
         })?;
         let limit = limit(&experiment, name.trim(), range).map_err(|error| error.within("--limit"))?;
         put(&mut limits, limit);
     }
     let measurements = flags.measurements.or(asked.plan.measurements).unwrap_or(MEASUREMENTS);
+    let repeats = flags.repeats.or(asked.plan.repeats).unwrap_or(1);
     let problem = calibration::problem(experiment, asked.calibration, free)?;
-    Ok(Parsed { value: Request { problem, limits, measurements, seed: flags.seed }, warnings })
+    Ok(Parsed { value: Request { problem, limits, measurements, repeats, seed: flags.seed }, warnings })
 }
 
 pub(super) fn read(experiment: &Experiment, table: &Table) -> Result<Wanted, Error> {
@@ -65,17 +71,28 @@ pub(super) fn read(experiment: &Experiment, table: &Table) -> Result<Wanted, Err
     let mut limits = Vec::new();
     if let Some(node) = table.get("limit") {
         for entry in node.entries("a table, such as { mass = \"0 g to 100 g\" }")? {
-            let text = entry.node.text("two values, such as \"0 g to 100 g\"")?;
-            let limit = limit(experiment, &entry.name, text).map_err(|error| error.at(entry.node.place()))?;
-            put(&mut limits, limit);
+            let limit = limit(experiment, &entry.name, &listed(&entry.node)?);
+            put(&mut limits, limit.map_err(|error| error.at(entry.node.place()))?);
         }
     }
-    let measurements = table.get("measurements").map(|node| {
-        let expected = "a whole number above 0, such as 3";
+    let whole = |key: &str, expected: &str| {
+        let Some(node) = table.get(key) else { return Ok(None) };
         let number = node.number(expected)?;
-        if number >= 1.0 && number.fract() == 0.0 { Ok(number as usize) } else { Err(node.refuse(expected)) }
-    });
-    Ok(Wanted { limits, measurements: measurements.transpose()? })
+        let whole = number >= 1.0 && number.fract() == 0.0;
+        if whole { Ok(Some(number as usize)) } else { Err(node.refuse(expected)) }
+    };
+    let measurements = whole("measurements", "a whole number above 0, such as 3")?;
+    let repeats = whole("repeats", "a whole number above 0, such as 1")?;
+    Ok(Wanted { limits, measurements, repeats })
+}
+
+/// A text, or a list of texts as one.
+fn listed(node: &Node) -> Result<String, Error> {
+    let Value::List(items) = &node.value else {
+        return node.text("two values, such as \"0 g to 100 g\", or a list of them").map(str::to_owned);
+    };
+    let texts = items.iter().map(|item| item.text("a value, such as \"20 g\""));
+    Ok(texts.collect::<Result<Vec<&str>, Error>>()?.join(", "))
 }
 
 /// Later limits of an input replace earlier ones.
@@ -89,26 +106,16 @@ fn put(limits: &mut Vec<Limit>, new: Limit) {
 fn of_data(experiment: &Experiment, i: usize, input: &Input) -> Limit {
     let values = || experiment.rows.iter().map(|row| row.inputs[i]);
     let range = [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)];
-    Limit { input: input.clone(), range }
+    Limit { input: input.clone(), choice: Choice::Range(range) }
 }
 
 fn limit(experiment: &Experiment, name: &str, text: &str) -> Result<Limit, Error> {
     let input = input(experiment, name)?;
     let kind = kind(input.quantity);
-    let (low, high) = text.split_once(" to ").ok_or_else(|| {
-        Error::new(format!(
-            "found {}, expected two values, such as \"{} to {}\"",
-            quoted(text.trim()),
-            kind.example,
-            kind.example
-        ))
-    })?;
-    let range = [quantity::scalar(low, &kind)?, quantity::scalar(high, &kind)?];
-    if range[0] > range[1] {
-        return Err(Error::new(format!("found {}, expected the lower value first", quoted(text.trim()))));
-    }
+    let choice = choice(text, &kind)?;
+    let [low, high] = choice.range();
     let lowest_is_zero = matches!(input.quantity, Varied::HungMass { .. } | Varied::Tension { .. });
-    if lowest_is_zero && range[0] < 0.0 {
+    if lowest_is_zero && low < 0.0 {
         return Err(Error::new(format!(
             "found {}, expected {} of at least 0",
             quoted(text.trim()),
@@ -117,9 +124,33 @@ fn limit(experiment: &Experiment, name: &str, text: &str) -> Result<Limit, Error
     }
     if let Varied::Displacement { tendon, .. } = input.quantity {
         let of = &experiment.robot.tendons[tendon];
-        tendon::check_displacement(range[1], of, experiment.robot.tendon_end(of))?;
+        tendon::check_displacement(high, of, experiment.robot.tendon_end(of))?;
     }
-    Ok(Limit { input, range })
+    Ok(Limit { input, choice })
+}
+
+/// Two values with `to` between them, or several with commas.
+fn choice(text: &str, kind: &Kind) -> Result<Choice, Error> {
+    let Some((low, high)) = text.split_once(" to ") else {
+        if !text.contains(',') {
+            return Err(Error::new(format!(
+                "found {}, expected two values, such as \"{} to {}\", or a list of them with commas",
+                quoted(text.trim()),
+                kind.example,
+                kind.example
+            )));
+        }
+        let values = text.split(',').map(|value| quantity::scalar(value, kind));
+        let mut values = values.collect::<Result<Vec<f64>, Error>>()?;
+        values.sort_by(f64::total_cmp);
+        values.dedup();
+        return Ok(Choice::Values(values));
+    };
+    let range = [quantity::scalar(low, kind)?, quantity::scalar(high, kind)?];
+    if range[0] > range[1] {
+        return Err(Error::new(format!("found {}, expected the lower value first", quoted(text.trim()))));
+    }
+    Ok(Choice::Range(range))
 }
 
 /// A varied column, or what the bench could vary as well.

@@ -29,11 +29,21 @@ pub struct Settings {
     pub tolerance: f64,
     /// Ends when a step promises less than this cost.
     pub negligible: f64,
+    /// Largest factor by which a step changes a variable whose lower bound is above 0.
+    pub most_growth: f64,
+    /// Trials without an evaluation that end the search.
+    pub most_failures: usize,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Settings { most_steps: 200, tolerance: 1e-16, negligible: 0.0 }
+        Settings {
+            most_steps: 200,
+            tolerance: 1e-16,
+            negligible: 0.0,
+            most_growth: f64::INFINITY,
+            most_failures: 100,
+        }
     }
 }
 
@@ -98,7 +108,14 @@ pub fn minimize(
     evaluate: &mut dyn FnMut(&DVector<f64>) -> Result<Evaluation, Error>,
 ) -> Result<Minimum, Error> {
     let clamped = |x: &DVector<f64>| DVector::from_fn(x.len(), |i, _| x[i].clamp(bounds[i][0], bounds[i][1]));
+    let near = |from: &DVector<f64>, x: &DVector<f64>| {
+        let growth = settings.most_growth;
+        let of =
+            |i: usize| if bounds[i][0] > 0.0 { x[i].clamp(from[i] / growth, from[i] * growth) } else { x[i] };
+        DVector::from_fn(x.len(), |i, _| of(i))
+    };
     let mut x = clamped(start);
+    let mut failures = 0;
     let mut at = evaluate(&x)?;
     let mut cost = loss.cost(&at.residuals);
     let mut scale = DVector::<f64>::zeros(x.len());
@@ -118,16 +135,25 @@ pub fn minimize(
             }
             earlier = cost;
         }
+        let promise = |step: &DVector<f64>| -(2.0 * gradient.dot(step) + step.dot(&(&normal * step)));
+        let little = settings.tolerance * cost + settings.negligible;
         // the longest step that goes down as promised
         loop {
-            let step = damped_step(&normal, &gradient, &scale, &held, damping);
-            let trial = clamped(&(&x + step));
-            let step = &trial - &x;
-            let promised = -(2.0 * gradient.dot(&step) + step.dot(&(&normal * &step)));
-            if promised <= settings.tolerance * cost + settings.negligible {
+            let whole = damped_step(&normal, &gradient, &scale, &held, damping);
+            let trial = clamped(&near(&x, &(&x + &whole)));
+            let promised = promise(&(&trial - &x));
+            // one that is cut need not go down where a shorter one does
+            if promised <= little && promise(&whole) <= little {
                 return Ok(Minimum { x, at, held, steps, crept: false });
             }
-            let found = evaluate(&trial).ok().map(|found| (loss.cost(&found.residuals), found));
+            let found = (promised > little).then(|| evaluate(&trial));
+            if let Some(Err(error)) = &found {
+                failures += 1;
+                if failures >= settings.most_failures {
+                    return Err(without_solution(failures, error));
+                }
+            }
+            let found = found.and_then(Result::ok).map(|found| (loss.cost(&found.residuals), found));
             let gain = found.as_ref().map_or(-1.0, |(new, _)| (cost - new) / promised);
             if let Some((new, found)) = found.filter(|_| gain > LEAST_GAIN) {
                 (x, at, cost) = (trial, found, new);
@@ -148,6 +174,14 @@ pub fn minimize(
     }
     Err(Error::new(format!("the fit has not converged in {} steps", settings.most_steps))
         .hint("start from values nearer to the truth, or give bounds or priors"))
+}
+
+fn without_solution(failures: usize, last: &Error) -> Error {
+    Error::new(format!(
+        "the fit has not converged: {failures} sets of trial values have no solution, the last with {}",
+        last.message()
+    ))
+    .hint("free fewer parameters, or give bounds or priors that keep the values possible")
 }
 
 /// (N + damping diag N) step = -gradient of the variables that are not held.
@@ -272,6 +306,59 @@ mod tests {
         let minimum = fit(&data, LINE, &[0.0, 0.0], &[FREE, [-1.0, 0.5]], Loss::Squares);
         assert!((minimum.x[1] - 0.5).abs() < 1e-15 && (minimum.x[0] - 0.75).abs() < 1e-9, "{}", minimum.x);
         assert_eq!(minimum.held, [false, true]);
+    }
+
+    /// Along the floor of a valley, which a bound crosses: cut there, the first steps go up its side.
+    #[test]
+    fn a_step_that_is_cut_uphill_is_shortened() {
+        let data = [(2.0, 0.0), (0.1, 1.0)];
+        let model: Model = |b, x| match x {
+            0.0 => (b[0] + b[1], vec![1.0, 1.0]),
+            _ => (1e-3 * (b[0] - b[1]), vec![1e-3, -1e-3]),
+        };
+        let minimum = fit(&data, model, &[1.0, 1.0], &[FREE, [0.0, f64::INFINITY]], Loss::Squares);
+        // of b0 alone: (b0 - 2) + 1e-6 (b0 - 100) = 0
+        let best = (2.0 + 1e-4) / (1.0 + 1e-6);
+        assert!(minimum.x[1] == 0.0 && (minimum.x[0] - best).abs() < 1e-9, "{}", minimum.x);
+    }
+
+    /// exp(b) = 1e6 from b = 1e-3, where a full step would go to 1e6.
+    #[test]
+    fn growth_is_limited() {
+        let mut largest = 0.0_f64;
+        let mut evaluate = |x: &DVector<f64>| {
+            largest = largest.max(x[0]);
+            Ok(Evaluation {
+                residuals: DVector::from_element(1, x[0].exp() - 1e6),
+                jacobian: DMatrix::from_element(1, 1, x[0].exp()),
+            })
+        };
+        let settings = Settings { most_growth: 4.0, negligible: 1e-12, ..Settings::default() };
+        let start = DVector::from_element(1, 1e-3);
+        let bounds = [[f64::MIN_POSITIVE, f64::INFINITY]];
+        let minimum = minimize(&start, &bounds, Loss::Squares, &settings, &mut evaluate).expect("converges");
+        assert!((minimum.x[0] - 1e6_f64.ln()).abs() < 1e-9, "{}", minimum.x);
+        assert!(largest < 4.0 * 1e6_f64.ln(), "{largest}");
+    }
+
+    #[test]
+    fn trials_without_solution_come_to_an_end() {
+        let mut trials = 0;
+        let mut evaluate = |x: &DVector<f64>| {
+            trials += 1;
+            if trials > 1 {
+                return Err(Error::new("no shape"));
+            }
+            Ok(Evaluation { residuals: x.clone(), jacobian: DMatrix::from_element(1, 1, 1.0) })
+        };
+        let start = DVector::from_element(1, 1.0);
+        let settings = Settings { most_failures: 3, ..Settings::default() };
+        let error = minimize(&start, &[FREE], Loss::Squares, &settings, &mut evaluate).expect_err("ends");
+        assert!(
+            error.message().contains("3 sets of trial values have no solution, the last with no shape"),
+            "{error}"
+        );
+        assert_eq!(trials, 4);
     }
 
     /// One wild reading among equal ones: the location m solves (n-1) (m - 0) = k.

@@ -1,6 +1,6 @@
 //! What could be measured within the limits.
 
-use super::{PlannedRow, Request};
+use super::{Choice, PlannedRow, Request};
 use crate::Error;
 use crate::calibrate::{Problem, sensitivities};
 use crate::numeric::random::Random;
@@ -15,46 +15,67 @@ pub(super) struct Candidate {
     pub(super) jacobian: DMatrix<f64>,
 }
 
-/// Candidates of a grid, at most.
+/// Candidates of a grid, at most; random ones where it would have more.
 const GRID: usize = 400;
-/// Fewest values of an input on a grid, and random candidates where there would be fewer.
-const LEVELS: usize = 3;
+/// Values of an input between limits on a grid: fewer see no curvature, more are hard to tell apart on a bench.
+const LEVELS: [usize; 2] = [3, 21];
 const RANDOM: usize = 400;
 
-/// All combinations of evenly spaced values between the limits, or random ones that often lie on them.
+/// All combinations of the values of a list and of evenly spaced ones between limits, or random ones that often lie on the limits.
 fn inputs(request: &Request) -> Vec<Vec<f64>> {
-    let ranges: Vec<[f64; 2]> = request.limits.iter().map(|limit| limit.range).collect();
-    let free = ranges.iter().filter(|[low, high]| low < high).count();
-    let levels = match free {
-        0 => 1,
-        _ => (1..=GRID)
-            .rev()
-            .find(|levels| levels.checked_pow(free as u32).is_some_and(|n| n <= GRID))
-            .unwrap_or(1),
+    let choices: Vec<&Choice> = request.limits.iter().map(|limit| &limit.choice).collect();
+    let size = |levels: usize| {
+        let mut counts = choices.iter().map(|choice| choice.count(levels));
+        counts.try_fold(1_usize, usize::checked_mul).unwrap_or(usize::MAX)
     };
-    if free > 0 && levels < LEVELS {
+    let Some(levels) = (LEVELS[0]..=LEVELS[1]).rev().find(|levels| size(*levels) <= GRID) else {
         let mut random = Random::new(request.seed, 0);
-        let value = |random: &mut Random, [low, high]: [f64; 2]| match random.below(4) {
-            0 => low,
-            1 => high,
-            _ => random.uniform(low, high),
-        };
         return (0..RANDOM)
-            .map(|_| ranges.iter().map(|range| value(&mut random, *range)).collect())
+            .map(|_| choices.iter().map(|choice| choice.draw(&mut random)).collect())
             .collect();
-    }
+    };
     let mut all: Vec<Vec<f64>> = vec![Vec::new()];
-    for [low, high] in ranges {
-        // from both ends, so that both are exact
-        let at = |i: usize| {
-            let part = i as f64 / (levels - 1).max(1) as f64;
-            low * (1.0 - part) + high * part
+    for choice in choices {
+        let longer = |row: &Vec<f64>| {
+            let value = |i| [&row[..], &[choice.level(i, levels)]].concat();
+            (0..choice.count(levels)).map(value).collect::<Vec<_>>()
         };
-        let count = if low < high { levels } else { 1 };
-        let longer = |row: &Vec<f64>| (0..count).map(|i| [&row[..], &[at(i)]].concat()).collect::<Vec<_>>();
         all = all.iter().flat_map(longer).collect();
     }
     all
+}
+
+impl Choice {
+    /// Values on a grid of so many levels.
+    fn count(&self, levels: usize) -> usize {
+        match self {
+            Choice::Range([low, high]) if low < high => levels,
+            Choice::Range(_) => 1,
+            Choice::Values(values) => values.len(),
+        }
+    }
+
+    fn level(&self, i: usize, levels: usize) -> f64 {
+        match self {
+            // from both ends, so that both are exact
+            Choice::Range([low, high]) => {
+                let part = i as f64 / (levels - 1) as f64;
+                low * (1.0 - part) + high * part
+            }
+            Choice::Values(values) => values[i],
+        }
+    }
+
+    fn draw(&self, random: &mut Random) -> f64 {
+        match self {
+            Choice::Range([low, high]) => match random.below(4) {
+                0 => *low,
+                1 => *high,
+                _ => random.uniform(*low, *high),
+            },
+            Choice::Values(values) => values[random.below(values.len() as u64) as usize],
+        }
+    }
 }
 
 /// Rows within the limits that can be solved and keep the robot whole, each by itself; the others by reason.

@@ -15,9 +15,20 @@ pub(super) fn verdict(
     request: &Request,
     plan: &Plan,
     told_apart: Vec<String>,
+    errors: &str,
     settings: &Settings,
 ) -> Result<Vec<String>, Error> {
     let mut sentences = vec![gain(plan)];
+    let planned = plan.d_optimal.rows.len();
+    if planned < request.measurements {
+        let each =
+            if request.repeats == 1 { "once".to_owned() } else { format!("{} times", request.repeats) };
+        sentences.push(format!(
+            "Only {planned} of {} rows are planned: with each taken {each} at most, there are no more candidates. Allow more repeats, or \
+             more values.",
+            request.measurements
+        ));
+    }
     let undetermined: Vec<&str> = plan
         .parameters
         .iter()
@@ -48,7 +59,7 @@ pub(super) fn verdict(
         }
     });
     sentences.extend(curved(request, plan, settings)?);
-    sentences.push(assumptions(request));
+    sentences.push(assumptions(request, errors));
     Ok(sentences)
 }
 
@@ -138,11 +149,11 @@ fn same_rows(a: &Design, b: &Design) -> bool {
     sorted(a) == sorted(b)
 }
 
-fn assumptions(request: &Request) -> String {
+fn assumptions(request: &Request, errors: &str) -> String {
     let points = &request.problem.experiment.points;
-    let mut errors: Vec<String> =
+    let mut stated: Vec<String> =
         points.iter().map(|point| format!("{:.2} mm", 1e3 * point.reading_error)).collect();
-    errors.dedup();
+    stated.dedup();
     let memory = request.limits.iter().any(|limit| limit.input.quantity.tendon().is_some());
     let memory = if memory {
         " Each planned row is taken by itself, tendons pulled to it from rest, without backlash or friction of an earlier row."
@@ -150,8 +161,7 @@ fn assumptions(request: &Request) -> String {
         ""
     };
     format!(
-        "This rests on derivatives at the values of the files, on the reading error as stated ({}), and on a model that is right: where \
-         calibrate finds larger residuals, all intervals grow by its factor, now and after.{memory}",
-        errors.join(", ")
+        "This rests on derivatives at the values of the files, on {errors} (stated: {}), and on a model that is right.{memory}",
+        stated.join(", ")
     )
 }

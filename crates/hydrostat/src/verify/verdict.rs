@@ -87,6 +87,8 @@ fn within_reading_error(experiment: &Experiment, rows: &[VerifiedRow], model: &S
 pub(crate) struct Systematic {
     pub(crate) is: bool,
     pub(crate) sentence: String,
+    /// Such as `7 runs of sign over 11 rows, chance 0.62`.
+    pub(crate) runs: String,
 }
 
 /// Runs test of the residual along the way the last point moves, for every input that can be judged; `inputs` and `points` row
@@ -133,13 +135,13 @@ fn systematic_with(
     let chance = at_most_runs(runs, plus, farther.len() - plus);
     let column = &experiment.inputs[input].column;
     let of = if experiment.points.len() > 1 { "last point" } else { "point" };
+    let counted = format!("{runs} runs of sign over {} rows", farther.len());
+    let short = format!("{counted}, chance {chance:.2}");
     if chance >= 0.05 {
         let sentence = format!(
-            "The residual is not shown to be systematic with {column}: {runs} runs of sign over {} rows \
-             (chance {chance:.2}).",
-            farther.len()
+            "The residual is not shown to be systematic with {column}: {counted} (chance {chance:.2})."
         );
-        return Some(Systematic { is: false, sentence });
+        return Some(Systematic { is: false, sentence, runs: short });
     }
     let mut stretches: Vec<String> = Vec::new();
     for run in split_runs(&farther) {
@@ -151,14 +153,12 @@ fn systematic_with(
         stretches.push(format!("{way} at {range} {}", unit.0));
     }
     let sentence = format!(
-        "The residual is systematic with {column}: the {of} moved {} than predicted ({runs} runs of sign over {} rows; \
-         chance alone gives so few in {:.1} % of cases). No change of reading would remove that; look for what the model \
-         lacks.",
+        "The residual is systematic with {column}: the {of} moved {} than predicted ({counted}; chance alone gives so few in \
+         {:.1} % of cases). No change of reading would remove that; look for what the model lacks.",
         stretches.join(", "),
-        farther.len(),
         100.0 * chance
     );
-    Some(Systematic { is: true, sentence })
+    Some(Systematic { is: true, sentence, runs: short })
 }
 
 /// With fewer rows no number of runs is improbable.
