@@ -21,8 +21,6 @@ pub(super) struct Chain {
     /// As [`Robot::plates`].
     pub(super) plates: Vec<f64>,
     cuts: Vec<f64>,
-    /// The robot that was cut.
-    of: Option<Robot>,
 }
 
 /// A piece of one section on which all distributed loads are constant.
@@ -114,12 +112,8 @@ pub(super) struct StageData {
 }
 
 impl Chain {
-    /// Cuts the robot; keeps the memory of an earlier chain. Returns whether more than its commands has changed since then.
-    pub(super) fn rebuild(&mut self, robot: &Robot) -> bool {
-        if self.of.as_ref().is_some_and(|of| of.differs_in_commands_only(robot)) {
-            return false;
-        }
-        self.of = Some(robot.clone());
+    /// Cuts the robot, whatever its commands; keeps the memory of an earlier chain.
+    pub(super) fn rebuild(&mut self, robot: &Robot) {
         self.length = robot.length();
         self.cut(robot);
         self.spans.clear();
@@ -181,7 +175,6 @@ impl Chain {
             })
             .sum();
         self.stiffness = self.length / flexibility;
-        true
     }
 
     /// Sorts the breakpoints and drops those closer together than rounding.

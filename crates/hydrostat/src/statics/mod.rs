@@ -86,6 +86,8 @@ impl Settings {
 #[derive(Clone, Debug, Default)]
 pub struct Workspace {
     chain: Chain,
+    /// The robot that was cut, under any commands, for the energy method.
+    cut: Option<Robot>,
     /// At the base, per tendon, for shooting.
     tensions: Vec<f64>,
     steps_per_span: Vec<usize>,
@@ -180,7 +182,7 @@ fn run(
     workspace.warm = false;
     robot.check()?;
     settings.check()?;
-    let changed = workspace.chain.rebuild(robot);
+    let changed = workspace.cut(robot, settings.method);
     if settings.method == Method::Energy {
         let Workspace { chain, energy, by_energy, .. } = workspace;
         // a shape found by shooting is no start
@@ -271,6 +273,16 @@ fn judge(robot: &Robot, settings: &Settings, workspace: &mut Workspace, found: &
 }
 
 impl Workspace {
+    /// Cuts the robot, where more than its commands has changed. Returns whether that was so.
+    fn cut(&mut self, robot: &Robot, method: Method) -> bool {
+        if self.cut.as_ref().is_some_and(|cut| cut.differs_in_commands_only(robot)) {
+            return false;
+        }
+        self.chain.rebuild(robot);
+        self.cut = (method == Method::Energy).then(|| robot.clone());
+        true
+    }
+
     /// The backbone of the solution last found, at any `s`; `robot` as it was solved. None where nothing was found or
     /// `s` is not on the backbone.
     pub fn station(&self, robot: &Robot, s: f64) -> Option<Station> {
