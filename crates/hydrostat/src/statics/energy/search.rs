@@ -72,6 +72,8 @@ pub(super) struct Seen {
     pub(super) tail: f64,
     pub(super) error_estimate: f64,
     pub(super) before: Option<Before>,
+    /// Steps that the last solution nearby took for which factors were made.
+    pub(super) steps_with_new: usize,
 }
 
 /// The same on one mesh.
@@ -158,7 +160,7 @@ impl<'a> Search<'a> {
             && error_estimate <= tolerance * self.chain.length
         {
             let tail = self.energy.coarse.tail(&self.energy.tables);
-            self.energy.seen = Seen { tail, error_estimate, before: None };
+            self.energy.seen = Seen { tail, error_estimate, ..Seen::default() };
             return self.judge(end, error_estimate, unstable_from);
         }
         let mut last_difference: Option<f64> = None;
@@ -198,6 +200,7 @@ impl<'a> Search<'a> {
                     tail: finer,
                     error_estimate,
                     before: added.then_some(Before { tail, error_estimate: before }),
+                    ..Seen::default()
                 };
                 return self.judge(end, error_estimate, unstable_from);
             }

@@ -10,7 +10,7 @@ use crate::model::Command;
 const SMALLEST_TAIL: f64 = 1e-13;
 /// Part of the tolerance that the error of a mesh may have for the next solution to be found on it.
 const ROOM: f64 = 0.5;
-/// Steps that a solution nearby takes with factors that are worth to be kept.
+/// Steps to a solution nearby that no new factors would save.
 const QUICK: usize = 2;
 
 impl Search<'_> {
@@ -49,9 +49,13 @@ impl Search<'_> {
         let equations = Equations { robot: self.robot, chain: self.chain, tables, factor: 1.0 };
         let before = self.iterations;
         let end = equations.newton(memory, coarse, target, begin, &mut self.iterations).ok()?;
-        if self.iterations - before > QUICK {
-            // the next solution nearby begins with new ones
-            memory.sweep.factored = None;
+        let steps = self.iterations - before;
+        let with_new = &mut self.energy.seen.steps_with_new;
+        if end.moved.is_finite() {
+            *with_new = steps;
+        } else if steps > QUICK.max(*with_new) {
+            // new ones save steps to the next solution nearby
+            self.energy.memory.sweep.factored = None;
         }
         if self.strayed(&end) {
             return None;
@@ -125,7 +129,7 @@ impl Search<'_> {
         std::mem::swap(coarse, fine);
         layouts.iter_mut().for_each(|layout| layout.points -= 1);
         sweep.factored = None;
-        *seen = Seen { tail, error_estimate, before: None };
+        *seen = Seen { tail, error_estimate, ..Seen::default() };
         true
     }
 
