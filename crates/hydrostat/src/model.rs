@@ -230,7 +230,7 @@ impl Robot {
 
 impl Robot {
     /// Whether another robot is this one, whatever the commands.
-    pub(crate) fn differs_in_commands_only(&self, other: &Robot) -> bool {
+    pub(crate) fn is_same_but_commands(&self, other: &Robot) -> bool {
         let Robot { name, gravity, base, sections, tendons, loads, actuation } = self;
         *tendons == other.tendons
             && *loads == other.loads

@@ -21,6 +21,8 @@ const CLOSE: f64 = 3e-6;
 /// Of parameters, whose powers curve more: at a fixed shape, and between solves.
 const PARAMETER_STEP: f64 = 2e-5;
 const SOLVED_STEP: f64 = 2e-4;
+/// What bows that are held leave out of a derivative.
+const HELD: f64 = 5e-5;
 /// Two derivatives from one set of factors.
 const ROUNDING: f64 = 1e-9;
 
@@ -48,6 +50,22 @@ fn solved(robot: &Robot) -> (Equilibrium, Workspace) {
 fn places(robot: &Robot) -> Vec<f64> {
     let length = robot.length();
     vec![0.31 * length, 0.777 * length, length]
+}
+
+/// Two points between guides with bows, which are held in derivatives, against more points without.
+#[test]
+fn derivatives_with_bows_are_as_accurate_as_the_shape() {
+    let robot = commanded(SCR, "a=5N,b=2N,c=1N", "");
+    let inputs = [Input::commands(&robot), Input::tip_wrench().to_vec()].concat();
+    let [with, without] = [1e-6, TOLERANCE].map(|tolerance| {
+        let (mut workspace, settings) = (Workspace::default(), Settings { tolerance, ..Settings::default() });
+        solve_in(&robot, &settings, &mut workspace).expect("has an answer");
+        derivatives(&robot, &mut workspace, &[robot.length()], &inputs).expect("is regular")
+    });
+    for (with, without) in with.iter().zip(&without) {
+        let (a, b) = (with.poses[0].position, without.poses[0].position);
+        assert!((a - b).norm() < HELD * b.norm(), "{a} {b}");
+    }
 }
 
 /// Difference of two solves over the change between them.

@@ -1,7 +1,7 @@
 //! A solve that starts from another robot's solution must end where a solve from cold does.
 
 use hydrostat::description::{builtin, parse_robot};
-use hydrostat::model::{Command, CrossSection, Frame, Load, LoadKind, Motion};
+use hydrostat::model::{Command, CrossSection, Frame, Load, LoadKind, Motion, Routing};
 use hydrostat::solution::Method;
 use hydrostat::statics::{Settings, Workspace, solve, solve_near};
 use hydrostat::validate::robustness;
@@ -157,6 +157,47 @@ fn any_change_of_a_tendon_robot_gives_what_a_cold_solve_gives() {
         ("a follower", follower(0.02)),
     ];
     there_and_back(Method::Energy, &robots);
+}
+
+/// Bows between guides, which two points a panel take for a third, are of one robot: another may taper, or have a tendon in a channel.
+#[test]
+fn bows_of_one_robot_are_not_taken_for_those_of_another() {
+    const SCR: &str = include_str!("../../../robots/scr.toml");
+    let pulled =
+        |tensions: [f64; 3]| tensions.map(|tension| Command::Tension { tension, motion: Motion::Pulled });
+    let guides = || commanded(SCR, pulled([5.0, 2.0, 1.0]));
+    let changed = |change: fn(&mut Robot)| {
+        let mut robot = guides();
+        change(&mut robot);
+        robot
+    };
+    let robots = [
+        guides(),
+        commanded(SCR, pulled([5.05, 2.02, 1.01])),
+        commanded(SCR, pulled([1.0, 4.0, 0.0])),
+        changed(|robot| robot.gravity *= 0.5),
+        changed(|robot| robot.sections[0].profile.tip = CrossSection::Round { diameter: 0.8e-3 }),
+        changed(|robot| robot.tendons[1].routing = Routing::Channel),
+        changed(|robot| robot.tendons[1].friction = 0.1),
+        changed(|robot| robot.sections[0].length *= 1.01),
+    ];
+    let coarse = Settings { tolerance: 1e-6, ..settings(Method::Energy) };
+    let exact =
+        robots.each_ref().map(|robot| solve(robot, &settings(Method::Energy)).expect("has an answer"));
+    let mut workspace = Workspace::default();
+    for i in 0..robots.len() {
+        for j in (0..robots.len()).flat_map(|j| [i, j]) {
+            let near = solve_near(&robots[j], &coarse, &mut workspace).expect("has an answer");
+            let off = distance(&near, &exact[j], robots[j].length());
+            let estimate = near.report.error_estimate / robots[j].length();
+            assert!(off <= 1e-6 && estimate <= 1e-6, "{i} -> {j}: {off:.1e}, estimate {estimate:.1e}");
+            assert_eq!(near.report.stable, exact[j].report.stable, "{i} -> {j}");
+        }
+        // shooting in between leaves nothing to go on from
+        solve_near(&robots[i], &settings(Method::Shooting), &mut workspace).ok();
+        let again = solve_near(&robots[i], &coarse, &mut workspace).expect("has an answer");
+        assert!(distance(&again, &exact[i], robots[i].length()) <= 1e-6, "{i} after shooting");
+    }
 }
 
 #[test]

@@ -275,7 +275,7 @@ fn judge(robot: &Robot, settings: &Settings, workspace: &mut Workspace, found: &
 impl Workspace {
     /// Cuts the robot, where more than its commands has changed. Returns whether that was so.
     fn cut(&mut self, robot: &Robot, method: Method) -> bool {
-        if self.cut.as_ref().is_some_and(|cut| cut.differs_in_commands_only(robot)) {
+        if self.cut.as_ref().is_some_and(|cut| cut.is_same_but_commands(robot)) {
             return false;
         }
         self.chain.rebuild(robot);

@@ -104,8 +104,8 @@ pub(super) struct Mesh {
     pub(super) positions: Vec<Vector3<f64>>,
     /// Whether loads follow the shape.
     pub(super) follows: bool,
-    /// How far bows move the shape, in lengths, per turn that they add to a node; None where panels do not bow.
-    pub(super) bows: Option<f64>,
+    /// Whether its panels bow; all bows are zero otherwise.
+    pub(super) bows: bool,
     /// Position and rotation at the panels' middles, where Newton's method ended.
     pub(super) middles: Vec<(Vector3<f64>, Matrix3<f64>)>,
 }
@@ -168,7 +168,7 @@ impl Mesh {
         self.data.clear();
         self.passing.clear();
         self.middles.clear();
-        (self.follows, self.bows) = (chain.follower, None);
+        (self.follows, self.bows) = (chain.follower, false);
         for (number, (span, layout)) in chain.spans.iter().zip(layouts).enumerate() {
             let length = (span.to - span.from) / layout.parts as f64;
             for part in 0..layout.parts {
@@ -436,7 +436,7 @@ impl Mesh {
     /// Largest of a turn's two coefficients of highest degree, times the panel's part of the length: what a higher degree might add. One
     /// of the two may vanish by symmetry. Where panels bow, of what this adds.
     pub(super) fn tail(&self, tables: &Tables) -> f64 {
-        if self.bows.is_some() {
+        if self.bows {
             return self.largest_bow();
         }
         let of = |panel: &Panel| {

@@ -34,7 +34,7 @@ pub(super) struct Linear {
 pub(super) struct Linearised {
     /// Largest rotation of the step, rad, or relative change of a tension's bending.
     pub(super) correction: f64,
-    /// How far the change of the bows will move the shape, in lengths.
+    /// Turn that the change of the bows adds to a node, which the shape has not answered yet, rad.
     bowing: f64,
     pub(super) residual: f64,
     /// Directions in which the energy falls while the held tendons stay as they are.
@@ -135,7 +135,8 @@ impl Equations<'_> {
         residual
     }
 
-    fn place(&self, sweep: &mut Sweep, drive: &mut Drive, mesh: &mut Mesh) {
+    /// Places the shape and measures the tendons on it.
+    pub(super) fn place(&self, sweep: &mut Sweep, drive: &mut Drive, mesh: &mut Mesh) {
         sweep.place(mesh, self.tables);
         tendons::measure(mesh, sweep, &mut drive.lengths, self.robot.tendons.len());
     }
@@ -167,9 +168,8 @@ impl Equations<'_> {
             self.border(sweep, linear, drive, mesh);
         }
         let held = self.hold(sweep, linear, drive, mesh);
-        let bowing = mesh
-            .bows
-            .map_or(0.0, |moves| moves * mesh.find_bows(self.tables, &linear.downhill, &mut linear.bows));
+        let bowing =
+            if mesh.bows { mesh.find_bows(self.tables, &linear.downhill, &mut linear.bows) } else { 0.0 };
         Linearised {
             correction: larger(linear.step.size, held.change),
             bowing,
@@ -256,7 +256,7 @@ impl Equations<'_> {
         for (v, change) in mesh.v.iter_mut().zip(&linear.step.v) {
             *v += change;
         }
-        if mesh.bows.is_some() {
+        if mesh.bows {
             mesh.take_bows(&linear.bows);
         }
         for (&tendon, &tension) in drive.held.iter().zip(&linear.tensions) {

@@ -4,7 +4,6 @@ use super::bow::MOST_BOWED;
 use super::mesh::Layout;
 use super::newton::{Begin, Converged, Equations, Stuck};
 use super::{Energy, Memory, friction, tendons};
-use crate::model::Routing;
 use crate::numeric::anderson::Anderson;
 use crate::numeric::collocation::MOST;
 use crate::numeric::larger;
@@ -73,7 +72,7 @@ pub(super) struct Seen {
     pub(super) error_estimate: f64,
     pub(super) before: Option<Before>,
     /// Steps that the last solution nearby took for which factors were made.
-    pub(super) steps_with_new: usize,
+    pub(super) steps_of_new_factors: usize,
 }
 
 /// The same on one mesh.
@@ -111,8 +110,8 @@ pub(super) struct Search<'a> {
     pub(super) chain: &'a Chain,
     pub(super) settings: &'a Settings,
     pub(super) iterations: usize,
-    /// What the last iteration left, rad.
-    pub(super) left: f64,
+    /// How the last iteration ended.
+    pub(super) last: Option<Converged>,
     /// Part of the loads at which the branch ended and the robot snapped.
     pub(super) snapped_from: Option<f64>,
     /// Whether panels were cut in two on the way.
@@ -132,7 +131,7 @@ impl<'a> Search<'a> {
             chain,
             settings,
             iterations: 0,
-            left: f64::INFINITY,
+            last: None,
             snapped_from: None,
             relaid: false,
         }
@@ -274,8 +273,7 @@ impl<'a> Search<'a> {
         self.energy.layouts.clear();
         let first_points = self.first_points();
         // between guides bows stand for further points
-        let straight = self.robot.tendons.iter().all(|tendon| tendon.routing == Routing::Guides);
-        let bows = straight && !self.robot.tendons.is_empty() && self.settings.tolerance >= FINE_TOLERANCE;
+        let bows = self.settings.tolerance >= FINE_TOLERANCE && self.bows_alone();
         let little = if bows { MOST_BOWED } else { 0.1 * FIRST_TURN };
         for span in &self.chain.spans {
             let turn = span.largest_angle(self.robot) * (span.to - span.from);
@@ -305,7 +303,7 @@ impl<'a> Search<'a> {
             let equations = Equations { robot: self.robot, chain: self.chain, tables, factor };
             let begin = if turn > 0 { Begin::WithFactors } else { Begin::Anew };
             let mut converged = equations.newton(memory, coarse, target, begin, &mut self.iterations)?;
-            self.left = converged.residual;
+            self.last = Some(converged);
             if !rubs {
                 return Ok(converged);
             }

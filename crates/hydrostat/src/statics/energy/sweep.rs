@@ -254,7 +254,7 @@ impl Sweep {
                 let rate = rate_of(panel, table, local, &mesh.turn[panel.nodes.clone()]);
                 let shape = &mut self.shapes[node];
                 let mut turn = mesh.turn[node];
-                if mesh.bows.is_some() {
+                if mesh.bows {
                     turn += table.bow[local] * panel.length * panel.bow;
                 }
                 shape.place(&start, turn, rate, mesh.v[node]);
@@ -333,7 +333,8 @@ impl Sweep {
         self.factored_at.extend(self.shapes.iter().map(|shape| shape.rotation));
     }
 
-    /// Takes the largest turn of a node since then for the sum of the steps, which may have led back.
+    /// Takes the largest turn of a node since then for the sum of the steps, which may have led back. Shear, stretch and the tensions of
+    /// held tendons go with the turns.
     pub(super) fn measure_moved(&mut self) {
         if self.factored_at.len() == self.shapes.len() {
             let turns = self.shapes.iter().zip(&self.factored_at).map(|(shape, at)| {

@@ -195,6 +195,29 @@ fn the_tangent_of_followers_and_dead_moments_is_that_of_the_gradient() {
     }
 }
 
+/// Tensions in chords, up to nearly what folds the robot between its guides.
+const TENSIONS: [f64; 4] = [0.25, 1.0, 2.0, 4.0];
+
+#[test]
+fn the_bound_with_chords_alone_is_below_the_smallest_eigenvalue() {
+    let bounds = TENSIONS.map(|tension| {
+        let mut robot = robot(&[Routing::Guides; 2]);
+        robot.gravity = Vector3::zeros();
+        robot.loads.clear();
+        robot.actuation.fill(Command::Tension { tension, motion: Motion::Pulled });
+        let mut workspace = Workspace::default();
+        let found = solve_in(&robot, &Settings::default(), &mut workspace).expect("has an answer");
+        let eigenvalue = found.report.smallest_eigenvalue.expect("asked for");
+        let Workspace { chain, energy: Energy { tables, coarse, memory, .. }, .. } = &workspace;
+        let tensions = &memory.drive.tensions;
+        let problem = Problem { chain, tables, factor: 1.0, gravity: robot.gravity, tensions };
+        let bound = memory.sweep.curvature_bound(&problem, coarse).expect("has an energy");
+        assert!(bound <= eigenvalue, "{tension}: {bound} {eigenvalue}");
+        bound
+    });
+    assert!(bounds[0] > 0.4 && bounds[TENSIONS.len() - 1] < 0.1, "{bounds:?}");
+}
+
 /// Two points between guides see of the curvature what is constant and what grows: the bow is missing.
 #[test]
 fn bows_between_guides_stand_for_a_third_point() {
@@ -210,11 +233,12 @@ fn bows_between_guides_stand_for_a_third_point() {
     let found = solve_in(&robot, &with(1e-6), &mut workspace).expect("has an answer");
     let off = |tip: &Vector3<f64>| (tip - exact.tip.position).norm() / length;
     let Workspace { chain, energy: Energy { tables, coarse, memory, .. }, .. } = &mut workspace;
-    assert!(coarse.bows.is_some() && coarse.panels.iter().all(|panel| panel.nodes.len() == 2));
+    assert!(coarse.bows && coarse.panels.iter().all(|panel| panel.nodes.len() == 2));
     let (left, estimate) = (off(&found.tip.position), found.report.error_estimate / length);
     assert!(left < 1e-7 && left < estimate && estimate < 1e-6, "{left} {estimate}");
 
-    coarse.bows = None;
+    coarse.bows = false;
+    coarse.panels.iter_mut().for_each(|panel| panel.bow = Vector3::zeros());
     let equations = Equations { robot: &robot, chain, tables, factor: 1.0 };
     equations.newton(memory, coarse, 1e-9, Begin::Anew, &mut 0).expect("converges");
     let without = off(&coarse.positions[coarse.panels.len()]);

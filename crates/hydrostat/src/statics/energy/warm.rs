@@ -1,6 +1,6 @@
 //! From the last solution to one nearby: on its mesh, with the factors of its Hessian.
 
-use super::newton::{Begin, Converged, Equations, NEAR};
+use super::newton::{Begin, Converged, NEAR};
 use super::search::{Before, Search, Seen};
 use super::tendons::Drive;
 use super::{Energy, Memory};
@@ -11,7 +11,7 @@ const SMALLEST_TAIL: f64 = 1e-13;
 /// Part of the tolerance that the error of a mesh may have for the next solution to be found on it.
 const ROOM: f64 = 0.5;
 /// Steps to a solution nearby that no new factors would save.
-const QUICK: usize = 2;
+const FEW_STEPS: usize = 2;
 
 impl Search<'_> {
     /// The equilibrium at the full load nearest to the last solution; `changed` where more than the commands has changed. Returns the
@@ -33,36 +33,42 @@ impl Search<'_> {
             let end = self.newton(1.0, target).ok()?;
             return (!self.strayed(&end)).then_some((end, f64::INFINITY));
         }
-        let bend = self.bend_by_change();
-        let sweep = &mut self.energy.memory.sweep;
-        if same && sweep.moved > 0.5 * NEAR {
-            sweep.measure_moved();
-        }
-        let begin = if bend > NEAR {
-            Begin::Anew
-        } else if same && bend == 0.0 {
-            Begin::Placed
-        } else {
-            Begin::WithFactors
-        };
-        let Energy { tables, coarse, memory, .. } = &mut *self.energy;
-        let equations = Equations { robot: self.robot, chain: self.chain, tables, factor: 1.0 };
+        let begin = self.begin_nearby(same);
         let before = self.iterations;
-        let end = equations.newton(memory, coarse, target, begin, &mut self.iterations).ok()?;
-        let steps = self.iterations - before;
-        let with_new = &mut self.energy.seen.steps_with_new;
-        if end.moved.is_finite() {
-            *with_new = steps;
-        } else if steps > QUICK.max(*with_new) {
-            // new ones save steps to the next solution nearby
-            self.energy.memory.sweep.factored = None;
-        }
-        if self.strayed(&end) {
+        let end = self.newton_here(begin).ok()?;
+        self.judge_factors(&end, self.iterations - before);
+        if self.strayed(&end) || self.energy.coarse.bows && !self.may_bow() {
             return None;
         }
         let Seen { tail, error_estimate, .. } = self.energy.seen;
         let growth = (self.energy.coarse.tail(&self.energy.tables) / tail.max(SMALLEST_TAIL)).max(1.0);
         Some((end, error_estimate * growth * growth + end.residual.min(target) * self.chain.length))
+    }
+
+    /// With what the way from the last solution begins, `placed` if the shape still is; bends that further where the factors would not do.
+    fn begin_nearby(&mut self, placed: bool) -> Begin {
+        let sweep = &mut self.energy.memory.sweep;
+        if placed && sweep.moved > 0.5 * NEAR {
+            sweep.measure_moved();
+        }
+        let bend = self.bend_by_change();
+        if bend > NEAR {
+            Begin::Anew
+        } else if placed && bend == 0.0 {
+            Begin::Placed
+        } else {
+            Begin::WithFactors
+        }
+    }
+
+    /// Forgets factors with which a solution nearby has taken more steps than new ones would.
+    fn judge_factors(&mut self, end: &Converged, steps: usize) {
+        let of_new = &mut self.energy.seen.steps_of_new_factors;
+        if end.moved.is_finite() {
+            *of_new = steps;
+        } else if steps > FEW_STEPS.max(*of_new) {
+            self.energy.memory.sweep.factored = None;
+        }
     }
 
     /// Lays the mesh anew, for a robot that has changed, under the shape and the tensions of the last solution. None where it has become
