@@ -1,7 +1,7 @@
 //! Robots that no file describes but a program may build: refused, never solved as something else.
 
-use hydrostat::description::builtin;
-use hydrostat::model::{CrossSection, Frame, Load, LoadKind};
+use hydrostat::description::{builtin, parse_robot};
+use hydrostat::model::{Command, CrossSection, Frame, Load, LoadKind, Motion};
 use hydrostat::statics::{Settings, Workspace, solve, solve_in};
 use hydrostat::{Error, Robot};
 use nalgebra::Vector3;
@@ -19,6 +19,22 @@ fn refused(change: impl FnOnce(&mut Robot), words: &str) {
 
 fn mass_at(at: f64) -> Load {
     Load { name: None, kind: LoadKind::Mass { at, mass: 0.02 } }
+}
+
+/// A unit wrong by a million: said at once, where a mesh for so many turns would take gigabytes.
+#[test]
+fn tensions_that_would_wind_the_robot_up() {
+    let text = include_str!("../../../robots/scr.toml");
+    let mut robot = parse_robot(text, "scr.toml").expect("is valid").value;
+    robot.actuation[2] = Command::Tension { tension: 1e6, motion: Motion::Pulled };
+    let error = solve(&robot, &Settings::default()).expect_err("has no such shape").to_string();
+    assert!(error.contains("would wind the robot up"), "{error}");
+    // a spring of many coils is none of that
+    let mut spring = rod();
+    spring.sections[0].rest_curvature = Vector3::new(3000.0, 0.0, 0.0);
+    spring.loads.clear();
+    spring.gravity = Vector3::zeros();
+    solve(&spring, &Settings { tolerance: 1e-4, ..Settings::default() }).expect("has its own shape");
 }
 
 #[test]

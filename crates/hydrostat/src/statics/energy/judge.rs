@@ -4,8 +4,13 @@ use super::newton::{Converged, Equations, Stuck};
 use super::search::{Found, Search};
 use super::{Energy, tendons};
 use crate::Error;
+use crate::model::{Command, Tendon};
+use crate::statics::chain::Span;
 use crate::statics::stability;
+use std::f64::consts::TAU;
 
+/// Turns of the whole backbone, by a bound of its curvature, that no robot makes.
+const MOST_TURNS: f64 = 100.0;
 /// Of a shape this far from the one at which the Hessian was eliminated, under the same loads, stability is the same, rad.
 const SAME_STABILITY: f64 = 1e-2;
 
@@ -58,6 +63,32 @@ impl Search<'_> {
         let negative = equations.linearise(memory, coarse, shift).negative;
         memory.drive.taut = taut;
         negative
+    }
+
+    /// Refuses what would wind the robot up, before it costs memory and time.
+    pub(super) fn refuse_too_much(&self) -> Result<(), Error> {
+        let turn = |span: &Span| {
+            let (angle, at_rest) =
+                (span.largest_angle(self.robot), self.robot.sections[span.section].rest_curvature);
+            if angle == at_rest.norm() { 0.0 } else { angle * (span.to - span.from) }
+        };
+        let turns = self.chain.spans.iter().map(turn).sum::<f64>() / TAU;
+        if turns <= MOST_TURNS {
+            return Ok(());
+        }
+        let given = |(tendon, command): (&Tendon, &Command)| match command {
+            Command::Tension { tension, .. } => Some((tendon.name.clone(), *tension)),
+            Command::Displacement { .. } => None,
+        };
+        let tensions = self.robot.tendons.iter().zip(&self.robot.actuation).filter_map(given);
+        let hint = match tensions.max_by(|a, b| a.1.total_cmp(&b.1)) {
+            Some((name, tension)) => format!(
+                "check the units of loads, commands and stiffness: the largest tension is {tension:.4} N, of tendon \"{name}\""
+            ),
+            None => "check the units of loads and stiffness".to_owned(),
+        };
+        Err(Error::new(format!("loads and commands would wind the robot up, by about {turns:.0} full turns"))
+            .hint(hint))
     }
 
     /// Tendons that the robot has bent around so far that nothing is left of their way.

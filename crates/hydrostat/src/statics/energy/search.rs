@@ -138,6 +138,7 @@ impl<'a> Search<'a> {
     }
 
     fn run(&mut self, start: Start) -> Result<Found, Error> {
+        self.refuse_too_much()?;
         let tolerance = self.settings.tolerance;
         let mut unstable_from = None;
         match start {
