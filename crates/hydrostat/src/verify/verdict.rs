@@ -1,6 +1,7 @@
 //! The verdict in words, from the numbers of the table.
 
-use super::{Experiment, PointError, Summary, VerifiedRow};
+use super::{Experiment, PointError, Row, Summary, VerifiedRow};
+use crate::solution::Check;
 
 /// Is the model within the reading error, is the residual systematic, what does the simpler model say.
 pub(super) fn verdict(
@@ -35,23 +36,52 @@ pub(super) fn verdict(
     verdict
 }
 
-/// Rows whose prediction fails a check of its own.
+/// Rows whose prediction fails a check of its own: one sentence a check, about the row farthest beyond its limit.
 fn failed_checks(experiment: &Experiment, rows: &[VerifiedRow]) -> Vec<String> {
-    let rows = experiment.rows.iter().zip(rows);
-    rows.flat_map(|(row, verified)| {
-        let inputs = experiment.inputs_of(row);
-        verified.failed.iter().map(move |check| match check.name {
-            "stability" => format!(
-                "The prediction for {inputs} is UNSTABLE: the rod would not stay so, and its errors say nothing."
-            ),
-            name => format!(
-                "The prediction for {inputs} fails its check of {name}: {:.3} % against a limit of {:.3} %.",
-                100.0 * check.value,
-                100.0 * check.limit
-            ),
-        })
-    })
-    .collect()
+    let failed: Vec<(&Row, &Check)> = experiment
+        .rows
+        .iter()
+        .zip(rows)
+        .flat_map(|(row, verified)| verified.failed.iter().map(move |check| (row, check)))
+        .collect();
+    let mut names: Vec<&str> = failed.iter().map(|(_, check)| check.name).collect();
+    names.sort_unstable();
+    names.dedup();
+    let sentence = |name: &&str| {
+        let of_name = || failed.iter().filter(|(_, check)| check.name == *name);
+        let beyond = |check: &Check| check.value - check.limit;
+        let worst = of_name().max_by(|a, b| beyond(a.1).total_cmp(&beyond(b.1)))?;
+        let more = match of_name().count() - 1 {
+            0 => String::new(),
+            1 => " It is the worse of two rows that do.".to_owned(),
+            others => format!(" It is the worst of {} rows that do.", others + 1),
+        };
+        Some(format!("{}{more}", failed_check(&experiment.inputs_of(worst.0), worst.1)))
+    };
+    names.iter().filter_map(sentence).collect()
+}
+
+fn failed_check(inputs: &str, check: &Check) -> String {
+    let Check { name, value, limit, .. } = check;
+    let tendons = check.tendons.join(", ");
+    match *name {
+        "stability" => format!(
+            "The prediction for {inputs} is UNSTABLE: the rod would not stay so, and its errors say nothing."
+        ),
+        "slack" => {
+            format!(
+                "The prediction for {inputs} fails its check of slack: pulled in and yet slack: {tendons}."
+            )
+        }
+        "tension" => format!(
+            "The prediction for {inputs} fails its check of tension: {value:.3} N in {tendons} against a limit of {limit:.3} N."
+        ),
+        name => format!(
+            "The prediction for {inputs} fails its check of {name}: {:.3} % against a limit of {:.3} %.",
+            100.0 * value,
+            100.0 * limit
+        ),
+    }
 }
 
 /// Where to look first.
