@@ -299,7 +299,7 @@ fn a_bound_holds_and_is_said() {
     );
     assert!(found.parameters[1].interval_95.is_some());
     assert!(found.warnings[0].contains("lies on its bound"), "{:?}", found.warnings);
-    let outside = "lies outside its bounds: the fit and \"before\" start from";
+    let outside = "lies outside its bounds: 61.000 GPa is taken in its place";
     assert!(found.warnings.iter().any(|warning| warning.contains(outside)), "{:?}", found.warnings);
     // alone on its bound it leaves nothing to be sure of
     let mut alone = flags("youngs_modulus");
@@ -366,7 +366,10 @@ fn a_wrong_unit_is_an_error() {
             (1.0, 0.1, "the measured coordinates multiplied by 10"),
         ] {
             let error = bench(free, mass, reading).expect_err(words).to_string();
-            assert!(error.starts_with("a unit is wrong: with ") && error.contains(words), "{free}: {error}");
+            assert!(
+                error.contains("probably a unit is wrong: with ") && error.contains(words),
+                "{free}: {error}"
+            );
             assert!(error.contains("check the unit in the header"), "{error}");
         }
     }
@@ -375,6 +378,53 @@ fn a_wrong_unit_is_an_error() {
         let found = bench("youngs_modulus", factor, 1.0);
         assert!(found.is_ok(), "{factor}: {found:?}");
     }
+}
+
+/// Who says what may come out, or has a fit that fails, is told no less.
+#[test]
+fn a_wrong_unit_may_be_meant() {
+    let words = "a unit is wrong: with the column mass [g] divided by 1000";
+    let heavy = |set: &dyn Fn(&mut CalibrationFlags)| {
+        let mut flags = flags("youngs_modulus");
+        set(&mut flags);
+        let mut problem = builtin::calibration(&flags).expect("is valid").value;
+        problem.experiment.rows.iter_mut().for_each(|row| row.inputs[0] *= 1e3);
+        calibrate(&problem, &Settings::default())
+    };
+    let bounded = heavy(&|flags| flags.bounds = vec!["youngs_modulus=1 GPa to 1000000 GPa".to_owned()]);
+    let prior = heavy(&|flags| flags.prior = vec!["youngs_modulus=50000 GPa +- 10000 GPa".to_owned()]);
+    for found in [bounded, prior] {
+        let found = found.expect("is meant");
+        assert!(found.warnings[0].contains(&format!("Probably {words}")), "{:?}", found.warnings);
+    }
+    let error = heavy(&|_| ()).expect_err("is not meant").to_string();
+    assert!(error.contains(words) && error.contains("(--bounds, --prior) of youngs_modulus"), "{error}");
+    // one row has no shape at all
+    let mut failed = builtin::calibration(&flags("youngs_modulus")).expect("is valid").value;
+    failed.experiment.rows.iter_mut().for_each(|row| row.observed[0] *= 1e-3);
+    failed.parameters[0].bounds = [0.0, 1e6];
+    let error = calibrate(&failed, &Settings::default()).expect_err("has no fit").to_string();
+    assert!(error.contains("probably a unit is wrong"), "{error}");
+}
+
+/// A fit keeps to what solids have unless it is told; what only asks for derivatives takes the file's value.
+#[test]
+fn a_start_that_no_solid_has_is_an_error() {
+    let stiff = short_rod().replace("60 GPa", "5000 GPa");
+    let bench = |flags| problem_of(&stiff, BENCH, &table(&exact()), &flags).expect("is valid");
+    let told = bench(flags("youngs_modulus"));
+    let error = calibrate(&told, &Settings::default()).expect_err("no solid").to_string();
+    for words in ["the files have youngs_modulus = 5000.0 GPa", "to 1500.0 GPa", "--bounds \"youngs_modulus="]
+    {
+        assert!(error.contains(words), "expected {words:?} in {error}");
+    }
+    assert_eq!(hydrostat::calibrate::start(&told).expect("has values"), [5000e9]);
+    let bounded = CalibrationFlags {
+        bounds: vec!["youngs_modulus=500.00 GPa to 50000 GPa".to_owned()],
+        ..flags("youngs_modulus")
+    };
+    let found = calibrate(&bench(bounded), &Settings::default()).expect("fits");
+    assert_eq!((found.parameters[0].before, found.parameters[0].value), (5000e9, 500e9));
 }
 
 /// One sentence for both tests.

@@ -36,8 +36,8 @@ pub(super) struct Statistics {
     pub(super) eigen: Vec<(f64, DVector<f64>)>,
     /// Norm of every column of the Jacobian.
     pub(super) norms: Vec<f64>,
-    /// Half an interval over its standard error.
-    pub(super) quantile: f64,
+    /// Half an interval over its standard error; None where no degree of freedom tells larger errors.
+    pub(super) quantile: Option<f64>,
     pub(super) chi_square: f64,
     pub(super) degrees_of_freedom: usize,
     pub(super) chance: Option<f64>,
@@ -143,7 +143,11 @@ impl Statistics {
             determined,
             eigen,
             norms,
-            quantile: if estimated { student_95(degrees_of_freedom) } else { NORMAL_95 },
+            quantile: match degrees_of_freedom {
+                0 if estimated => None,
+                freedom if estimated => Some(student_95(freedom)),
+                _ => Some(NORMAL_95),
+            },
             chi_square,
             degrees_of_freedom,
             chance: (degrees_of_freedom > 0).then(|| chance(chi_square, degrees_of_freedom)),
@@ -199,16 +203,16 @@ impl Statistics {
         let per_row = problem.coordinates() / experiment.rows.len();
         // in the basis the normal matrix of squares is one
         let jacobian = &at.jacobian * &self.basis;
-        let mut bent = jacobian.clone();
-        for (mut row, r) in bent.row_iter_mut().zip(&at.residuals) {
-            row *= bend(problem.loss, *r);
+        let mut curved = jacobian.clone();
+        for (mut row, r) in curved.row_iter_mut().zip(&at.residuals) {
+            row *= curvature_of_loss(problem.loss, *r);
         }
-        let normal = bent.tr_mul(&jacobian);
+        let normal = curved.tr_mul(&jacobian);
         let off = |number: usize| -> Option<DVector<f64>> {
             let own = jacobian.rows(number * per_row, per_row);
             let residuals = at.residuals.rows(number * per_row, per_row);
             let pull = residuals.map(|r| r * weight(problem.loss, r));
-            let others = (&normal - bent.rows(number * per_row, per_row).tr_mul(&own)).cholesky()?;
+            let others = (&normal - curved.rows(number * per_row, per_row).tr_mul(&own)).cholesky()?;
             // the row alone determines something
             if others.l_dirty().diagonal().iter().any(|pivot| *pivot < LEAST_PIVOT) {
                 return None;
@@ -265,7 +269,7 @@ fn weight(loss: Loss, residual: f64) -> f64 {
 }
 
 /// Half the second derivative of the loss.
-fn bend(loss: Loss, residual: f64) -> f64 {
+fn curvature_of_loss(loss: Loss, residual: f64) -> f64 {
     match loss {
         Loss::Huber if residual.abs() > HUBER_THRESHOLD => 0.0,
         _ => 1.0,

@@ -183,7 +183,7 @@ fn set_bounds(parameter: &mut Parameter, text: &str) -> Result<(), Error> {
     if low >= high {
         return Err(Error::new(format!("found {}, expected the lower bound first", quoted(text))));
     }
-    let [lowest, _] = parameter.bounds;
+    let lowest = parameter.parts[0].lowest_possible();
     if high <= lowest {
         return Err(Error::new(format!("found {}, expected values above 0", quoted(text))));
     }
