@@ -17,7 +17,7 @@ pub(crate) struct Args {
     #[command(flatten)]
     free: FreeArgs,
     /// What a column can be set to, such as "mass=0 g to 100 g" or "mass=0 g, 20 g, 50 g"; also mount_angle, tension.NAME,
-    /// displacement.NAME
+    /// displacement.NAME; may be repeated
     /// [default: the range of the data]
     #[arg(long, value_name = "NAME=RANGE")]
     limit: Vec<String>,

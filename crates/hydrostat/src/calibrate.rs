@@ -224,16 +224,17 @@ fn fitted(
     let statistics = Statistics::new(problem, &at, &minimum.held, error_scale);
     let after = fit.points_at(&minimum.x)?;
 
-    let tested = (problem.folds > 0)
-        .then(|| search::fold_errors(problem, settings, &values, error_scale, watch))
-        .transpose()?;
     let mut calibration = result(&fit, &minimum, &statistics, error_scale, [before, after]);
+    refuse_collapse(&calibration, &minimum)?;
     let length = calibration.robot.length();
     calibration.starts = starts;
     let left_out = statistics.left_out(problem, &at);
     calibration.left_out = left_out.map(|errors| {
         problem.experiment.summary(problem.experiment.robot.length(), errors.into_iter().flatten())
     });
+    let tested = (problem.folds > 0)
+        .then(|| search::fold_errors(problem, settings, &values, error_scale, watch))
+        .transpose()?;
     let (folds, not_known) = tested.map_or((None, None), |tested| match tested {
         Ok(errors) => (Some(problem.experiment.summary(length, errors.into_iter())), None),
         Err(sentence) => (None, Some(sentence)),
@@ -270,7 +271,9 @@ fn reweighted(
         if !weighs {
             break;
         }
+        let before = minimum.steps;
         minimum = fit.minimize(&minimum.x, error_scale, problem.loss, watch)?;
+        minimum.steps += before;
         let next = statistics::error_scale(problem, &minimum, error_scale);
         if (next / error_scale - 1.0).abs() < SETTLED {
             break;
@@ -329,6 +332,34 @@ fn result(
         warnings: Vec::new(),
         steps: minimum.steps,
     }
+}
+
+/// Standard error over value, and value over that of the files, at which a quantity that must be above 0 has none.
+const TELLS_NOTHING: f64 = 100.0;
+const VANISHED: f64 = 1e-4;
+
+/// A value that no robot has is no fit, unless the user allows it by bounds.
+fn refuse_collapse(calibration: &Calibration, minimum: &Minimum) -> Result<(), Error> {
+    for (estimate, held) in calibration.parameters.iter().zip(&minimum.held) {
+        let Estimate { parameter, before, value, standard_error, .. } = estimate;
+        let positive = parameter.parts[0].lowest_possible() > 0.0;
+        let vanished =
+            *value < VANISHED * before || standard_error.is_some_and(|e| e > TELLS_NOTHING * value);
+        let ends =
+            *held && *value == parameter.bounds[1] && calibration.after.mean_fraction > units::EXPLAINED;
+        if parameter.bounded || !(positive && vanished || ends) {
+            continue;
+        }
+        return Err(Error::new(format!(
+            "the fit ends at {} = {}, which no robot has: its mean error is {:.1} mm there, {:.1} mm with the values of the files",
+            parameter.name,
+            parameter.show(*value, None),
+            1e3 * calibration.after.mean,
+            1e3 * calibration.before.mean
+        ))
+        .hint("check the table for swapped columns, a turned axis or a wrong unit: `hydrostat verify` shows it row by row; or give bounds or priors"));
+    }
+    Ok(())
 }
 
 /// Tests of the residuals, verdict and warnings.

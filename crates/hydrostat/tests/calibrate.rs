@@ -3,7 +3,7 @@
 mod rods;
 
 use hydrostat::Error;
-use hydrostat::calibrate::{Calibration, Loss, Problem, calibrate, sensitivities};
+use hydrostat::calibrate::{Calibration, Loss, Prior, Problem, calibrate, sensitivities};
 use hydrostat::description::{CalibrationFlags, builtin, parse_calibration};
 use hydrostat::statics::Settings;
 use nalgebra::Vector3;
@@ -399,12 +399,63 @@ fn a_wrong_unit_may_be_meant() {
     }
     let error = heavy(&|_| ()).expect_err("is not meant").to_string();
     assert!(error.contains(words) && error.contains("(--bounds, --prior) of youngs_modulus"), "{error}");
-    // one row has no shape at all
-    let mut failed = builtin::calibration(&flags("youngs_modulus")).expect("is valid").value;
-    failed.experiment.rows.iter_mut().for_each(|row| row.observed[0] *= 1e-3);
-    failed.parameters[0].bounds = [0.0, 1e6];
-    let error = calibrate(&failed, &Settings::default()).expect_err("has no fit").to_string();
-    assert!(error.contains("probably a unit is wrong"), "{error}");
+    let error = heavy(&|flags| flags.free = vec!["shear_modulus".to_owned()]).expect_err("fails").to_string();
+    assert!(
+        error.starts_with("shear_modulus has no influence") && error.contains("do not free it"),
+        "{error}"
+    );
+    assert!(error.contains(&format!("probably {words}")), "{error}");
+}
+
+/// The data alone say 60 GPa, with an error of a few hundredths: a prior far off neither wins nor goes unnoticed.
+#[test]
+fn a_prior_does_not_excuse_itself() {
+    let alone = fit(&problem(&noisy(), "youngs_modulus"));
+    let (value, error) =
+        (alone.parameters[0].value, alone.parameters[0].standard_error.expect("is determined"));
+    let mut told = problem(&noisy(), "youngs_modulus");
+    told.parameters[0].prior = Some(Prior { value: value - 30.0 * error, standard_error: 3.0 * error });
+    let found = fit(&told);
+    // weights of the data and the prior are 9 to 1
+    let expected = value - 30.0 * error / 10.0;
+    assert!((found.parameters[0].value - expected).abs() < 0.1 * error, "{:?} {expected}", found.parameters);
+    assert!(
+        found.warnings.iter().any(|warning| warning.contains("standard errors from its prior")),
+        "{found:?}"
+    );
+    assert_eq!(found.error_scale, alone.error_scale);
+    assert!(found.verdict[0].contains("contradict the data"), "{:?}", found.verdict);
+    assert!(found.steps > 0);
+}
+
+#[test]
+fn swapped_columns_are_an_error() {
+    let mut swapped = problem(&exact(), "section.a.length+section.b.length");
+    for row in &mut swapped.experiment.rows {
+        row.observed[0] = Vector3::new(row.observed[0].y, row.observed[0].x, 0.0);
+    }
+    let error = calibrate(&swapped, &Settings::default()).expect_err("is no length").to_string();
+    assert!(error.contains("which no robot has") && error.contains("swapped columns"), "{error}");
+}
+
+#[test]
+fn bounds_and_slips_are_named_as_causes() {
+    let mut bounded = flags("youngs_modulus");
+    bounded.bounds = vec!["youngs_modulus=70 GPa to 80 GPa".to_owned()];
+    let words = fit(&problem_of(&short_rod(), BENCH, &table(&noisy()), &bounded).expect("is valid"))
+        .verdict
+        .join(" ");
+    assert!(words.contains("the bounds of youngs_modulus keep the fit from a better one"), "{words}");
+    for loss in [Loss::Squares, Loss::Huber] {
+        let mut slip = noisy();
+        slip[4] += 5e-3;
+        let mut slip = problem(&slip, "youngs_modulus");
+        slip.loss = loss;
+        let found = fit(&slip);
+        let words = [found.verdict, found.warnings].concat().join(" ");
+        assert!(words.contains("looks like an outlier") && !words.contains(" inf "), "{words}");
+        assert!(!words.contains("readings are less exact than stated"), "{words}");
+    }
 }
 
 /// A fit keeps to what solids have unless it is told; what only asks for derivatives takes the file's value.

@@ -329,13 +329,13 @@ fn a_list_of_the_file_is_a_list() {
     assert_eq!(choice("[\"2 N\", \"1 N\", \"2 N\"]"), Choice::Values(vec![1.0, 2.0]));
     assert_eq!(choice("\"1 N to 2 N\""), Choice::Range([1.0, 2.0]));
     for (limit, words) in [
-        ("[\"0 N to 2 N\"]", "0 N to 2 N"),
+        ("[\"0 N to 2 N\"]", "a range stands without brackets"),
         ("[]", "expected one value at least"),
         ("[\"1 N\", \"-1 N\"]", "found -1 N, expected a force of at least 0"),
         ("[\"1 N\", \"1 g\"]", "found a mass, expected a force"),
     ] {
         let error = read(limit).expect_err(limit).to_string();
-        assert!(error.contains(words) && error.contains("bench.toml:15:"), "expected {words:?} in {error}");
+        assert!(error.contains(words) && error.contains("bench.toml:14:"), "expected {words:?} in {error}");
     }
 }
 
@@ -365,7 +365,10 @@ fn refusals() {
         }
     };
     refused("mass", &["found --limit \"mass\", expected NAME=LOW to HIGH"]);
-    refused("mass=5 g", &["--limit: found \"5 g\", expected two values, such as \"20 g to 20 g\""]);
+    refused(
+        "mass=5 g",
+        &["--limit \"mass=5 g\": found \"5 g\", expected two values, such as \"20 g to 20 g\""],
+    );
     refused("mass=5 g, 6 mm", &["found a length, expected a mass"]);
     refused("mass=-5 g, 6 g", &["expected a mass of at least 0"]);
     refused("mass=5 mm to 6 mm", &["found a length, expected a mass"]);

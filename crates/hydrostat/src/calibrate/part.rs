@@ -138,7 +138,7 @@ impl Part {
         }
     }
 
-    /// Between these a fit keeps it where the user gives no bounds, SI: what is possible, and for materials what any solid has.
+    /// Between these a fit keeps it where the user gives neither bounds nor a prior, SI: what is possible, and for materials what any solid has.
     ///
     /// Pa: soft gels and tissue have about 1 kPa, diamond has 1050 to 1210 GPa. kg/m^3: osmium has 22.6e3, and ten times that leaves
     /// room for parts on the backbone that the file does not have.

@@ -7,7 +7,7 @@ use crate::statics::Settings;
 use crate::verify::{Experiment, Varied};
 
 /// Part of the length from which a mean error makes a fit doubtful, and below which one is explained.
-const EXPLAINED: f64 = 0.05;
+pub(super) const EXPLAINED: f64 = 0.05;
 /// Part of the error as it stands that a wrong unit must explain; times the fitted error that it may leave.
 const BETTER: f64 = 0.2;
 const AS_GOOD: f64 = 2.0;
@@ -52,7 +52,7 @@ pub(super) fn judge(
     let Some(sentence) = explanation(problem, settings, found.as_ref().ok()) else { return Ok(()) };
     let check = "check the unit in the header of the table, or under [[vary]] and [[measure]], and the values of the robot file";
     match found {
-        Err(error) => Err(error.clone().hint(format!("probably {sentence}; {check}"))),
+        Err(error) => Err(error.clone().or_hint(&format!("probably {sentence}: {check}"))),
         Ok(found) if is_meant(problem, found) => {
             found.warnings.insert(0, format!("Probably {sentence}."));
             Ok(())

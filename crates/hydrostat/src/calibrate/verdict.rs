@@ -16,7 +16,8 @@ pub(super) fn verdict(
     scale: &[f64],
 ) -> Vec<String> {
     let mut verdict = vec![goodness(problem, calibration)];
-    verdict.extend(unexplained(problem, calibration));
+    let stand_out = !statistics.outliers(problem, at).is_empty();
+    verdict.extend(unexplained(problem, calibration, stand_out));
     verdict.push(match &calibration.left_out {
         Some(errors) => format!(
             "A row that the fit has not seen is predicted, to first order, within {:.2} mm on average ({:.2} mm at most), against \
@@ -105,7 +106,11 @@ fn goodness(problem: &Problem, calibration: &Calibration) -> String {
         );
     }
     let loss = if problem.loss == Loss::Huber { "the bulk of the residuals" } else { "the residuals" };
-    if *error_scale > 1.0 {
+    if *error_scale == 1.0 && problem.loss == Loss::Squares {
+        format!(
+            "The reading error explains what the data leave, but not with the priors as well ({test}): these contradict the data."
+        )
+    } else if *error_scale > 1.0 {
         format!(
             "The reading error does not explain the residuals ({test}): the intervals rest on {loss}, {error_scale:.1} times as \
              large, with Student's t, as if those were of chance."
@@ -121,14 +126,24 @@ fn percent(chance: f64) -> String {
     if chance < 1e-4 { "below 0.01 %".to_owned() } else { format!("{:.2} %", 100.0 * chance) }
 }
 
-fn unexplained(problem: &Problem, calibration: &Calibration) -> Option<String> {
+fn unexplained(problem: &Problem, calibration: &Calibration, stand_out: bool) -> Option<String> {
     if calibration.chance.is_none_or(|chance| chance >= SIGNIFICANCE) {
         return None;
     }
     let names: Vec<&str> = problem.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
     let smallest =
         problem.experiment.points.iter().map(|point| point.reading_error).fold(f64::INFINITY, f64::min);
+    let on_bound = |estimate: &&Estimate| estimate.parameter.bounds.contains(&estimate.value);
+    let on_bound = calibration.parameters.iter().filter(on_bound);
+    let on_bound: Vec<&str> = on_bound.map(|estimate| estimate.parameter.name.as_str()).collect();
     let why = match calibration.systematic {
+        _ if !on_bound.is_empty() => {
+            format!("the bounds of {} keep the fit from a better one", and(&on_bound))
+        }
+        Some(false) | None if stand_out => {
+            "single readings stand out, which the warnings name, and the others may be as exact as stated"
+                .to_owned()
+        }
         Some(true) => format!(
             "since the residuals are systematic, no value of {} removes that: the model or the bench has something else in it",
             and(&names)

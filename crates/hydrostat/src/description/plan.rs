@@ -56,7 +56,8 @@ pub fn parse_plan(
             ))
             .hint("such as --limit \"mass=0 g to 100 g\" or --limit \"mount_angle=0 deg, 30 deg, 60 deg\"")
         })?;
-        let limit = limit(&experiment, name.trim(), range).map_err(|error| error.within("--limit"))?;
+        let limit = limit(&experiment, name.trim(), range)
+            .map_err(|error| error.within(&format!("--limit {}", quoted(flag))))?;
         put(&mut limits, limit);
     }
     let measurements = flags.measurements.or(asked.plan.measurements).unwrap_or(MEASUREMENTS);
@@ -100,6 +101,9 @@ fn chosen(node: &Node, kind: &Kind) -> Result<Choice, Error> {
     }
     let value = |item: &Node| {
         let text = item.text("a value, such as \"20 g\"")?;
+        if text.contains(" to ") {
+            return Err(item.refuse("a value, such as \"20 g\": a range stands without brackets"));
+        }
         quantity::scalar(text, kind).map_err(|error| error.at(item.place()))
     };
     Ok(values(items.iter().map(value).collect::<Result<_, Error>>()?))
