@@ -178,31 +178,22 @@ pub fn calibrate_watched(
     settings: &Settings,
     watch: &mut dyn FnMut(&Progress),
 ) -> Result<Calibration, Error> {
-    match judged(problem, settings, watch)? {
-        Judged::WrongUnit(error) => Err(error),
-        Judged::Fit(found) => found,
-    }
+    problem.check()?;
+    judged(problem, settings, watch)?
 }
 
-/// A fit, and whether it is one to a table in a wrong unit.
-pub(crate) enum Judged {
-    Fit(Result<Calibration, Error>),
-    WrongUnit(Error),
-}
-
-/// The same for those who need a fit less than they fear a wrong unit.
+/// A fit of a problem that asks for what can be, for those who need it less than they fear a wrong unit.
 ///
 /// # Errors
-/// A problem that asks for what cannot be.
+/// A unit that is probably wrong.
 pub(crate) fn judged(
     problem: &Problem,
     settings: &Settings,
     watch: &mut dyn FnMut(&Progress),
-) -> Result<Judged, Error> {
-    problem.check()?;
+) -> Result<Result<Calibration, Error>, Error> {
     let mut found = fitted(problem, settings, watch);
-    let judged = units::judge(problem, settings, &mut found);
-    Ok(judged.map_or_else(Judged::WrongUnit, |()| Judged::Fit(found)))
+    units::judge(problem, settings, &mut found)?;
+    Ok(found)
 }
 
 fn fitted(
@@ -338,28 +329,37 @@ fn result(
 const TELLS_NOTHING: f64 = 100.0;
 const VANISHED: f64 = 1e-4;
 
-/// A value that no robot has is no fit, unless the user allows it by bounds.
+/// A value that no robot has, or of which the table tells nothing, is no fit, unless the user allows it by bounds.
 fn refuse_collapse(calibration: &Calibration, minimum: &Minimum) -> Result<(), Error> {
-    for (estimate, held) in calibration.parameters.iter().zip(&minimum.held) {
-        let Estimate { parameter, before, value, standard_error, .. } = estimate;
-        let positive = parameter.parts[0].lowest_possible() > 0.0;
-        let vanished =
-            *value < VANISHED * before || standard_error.is_some_and(|e| e > TELLS_NOTHING * value);
-        let ends =
-            *held && *value == parameter.bounds[1] && calibration.after.mean_fraction > units::EXPLAINED;
-        if parameter.bounded || !(positive && vanished || ends) {
-            continue;
-        }
-        return Err(Error::new(format!(
-            "the fit ends at {} = {}, which no robot has: its mean error is {:.1} mm there, {:.1} mm with the values of the files",
-            parameter.name,
-            parameter.show(*value, None),
-            1e3 * calibration.after.mean,
-            1e3 * calibration.before.mean
-        ))
-        .hint("check the table for swapped columns, a turned axis or a wrong unit: `hydrostat verify` shows it row by row; or give bounds or priors"));
-    }
-    Ok(())
+    let all = calibration.parameters.iter().zip(&minimum.held);
+    let all: Vec<(&Estimate, bool)> =
+        all.map(|(estimate, held)| (estimate, *held)).filter(|(e, _)| !e.parameter.bounded).collect();
+    let positive = |estimate: &Estimate| estimate.parameter.parts[0].lowest_possible() > 0.0;
+    let errs = calibration.after.mean_fraction > units::EXPLAINED;
+    let impossible = |(estimate, held): &&(&Estimate, bool)| {
+        let ends = *held && errs && estimate.value == estimate.parameter.bounds[1];
+        positive(estimate) && estimate.value < VANISHED * estimate.before || ends
+    };
+    let unknown = |(estimate, _): &&(&Estimate, bool)| {
+        let error = estimate.standard_error.unwrap_or(0.0);
+        positive(estimate) && error > TELLS_NOTHING * estimate.value
+    };
+    let (estimate, what) = match (all.iter().find(impossible), all.iter().find(unknown)) {
+        (Some((estimate, _)), _) => (estimate, "which no robot has"),
+        (None, Some((estimate, _))) => (estimate, "of which the table tells nothing"),
+        (None, None) => return Ok(()),
+    };
+    Err(Error::new(format!(
+        "the fit ends at {} = {}, {what}: its mean error is {:.1} mm there, {:.1} mm with the values of the files",
+        estimate.parameter.name,
+        estimate.parameter.show(estimate.value, None),
+        1e3 * calibration.after.mean,
+        1e3 * calibration.before.mean
+    ))
+    .hint(
+        "check the table for swapped columns, a turned axis or a wrong unit: `hydrostat verify` shows it row by row; or give bounds \
+         or priors",
+    ))
 }
 
 /// Tests of the residuals, verdict and warnings.

@@ -6,7 +6,7 @@ mod verdict;
 
 use crate::Error;
 use crate::calibrate::{
-    Expected, Judged, LEAST_INFLUENCE, Parameter, Problem, expected, judged, sensitivities, start,
+    Expected, LEAST_INFLUENCE, Parameter, Problem, expected, judged, sensitivities, start,
 };
 use crate::statics::Settings;
 use crate::verify::{Experiment, Input, Row};
@@ -262,9 +262,8 @@ impl Reading {
         if shown.parameters.is_empty() {
             return Ok(Reading::stated("since the rows at hand show nothing of what is free"));
         }
-        let found = match judged(&shown, settings, &mut |_| ()) {
-            Ok(Judged::WrongUnit(error)) => return Err(error),
-            Ok(Judged::Fit(found)) => found,
+        let found = match shown.check() {
+            Ok(()) => judged(&shown, settings, &mut |_| ())?,
             Err(error) => Err(error),
         };
         Ok(match found {

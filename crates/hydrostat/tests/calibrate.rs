@@ -521,6 +521,14 @@ fn doubtful_data_and_values_are_said() {
     let mut constant = exact();
     constant.iter_mut().skip(1).step_by(2).for_each(|y| *y = -0.03);
     warned(&constant, "youngs_modulus", "reads the same in every row");
+    let mut same = problem(&noisy(), "youngs_modulus");
+    same.experiment.rows.iter_mut().for_each(|row| row.inputs[0] = 15e-3);
+    let found = fit(&same);
+    assert!(
+        found.warnings.iter().any(|warning| warning.starts_with("All rows have the same inputs (mass 15 g)")),
+        "{:?}",
+        found.warnings
+    );
     let mut twice = problem(&noisy(), "youngs_modulus");
     twice.experiment.rows[3] = twice.experiment.rows[2].clone();
     assert!(fit(&twice).warnings.iter().any(|warning| warning.contains("row 4 repeats row 3")));

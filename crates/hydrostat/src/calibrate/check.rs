@@ -8,7 +8,7 @@ use crate::Error;
 const ROOM: f64 = 10.0;
 
 impl Problem {
-    pub(super) fn check(&self) -> Result<(), Error> {
+    pub(crate) fn check(&self) -> Result<(), Error> {
         self.experiment.refuse_impossible_readings()?;
         if self.folds == 1 || self.folds > self.experiment.rows.len() {
             let (folds, rows) = (self.folds, self.experiment.rows.len());

@@ -11,7 +11,7 @@ const FEWEST_ROWS: usize = 6;
 const ORDERS: usize = 9_999;
 /// Parts of them, on all cores.
 const BLOCKS: usize = 9;
-const _: () = assert!(ORDERS % BLOCKS == 0, "every order belongs to a block");
+const _: () = assert!(ORDERS.is_multiple_of(BLOCKS), "every order belongs to a block");
 
 /// How rows next to each other err.
 pub(super) struct Alike {

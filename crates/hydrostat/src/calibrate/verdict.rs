@@ -4,7 +4,7 @@ use super::neighbours::Alike;
 use super::statistics::{SIGNIFICANCE, Statistics};
 use super::{Calibration, Estimate, Loss, Problem, outliers, plausible};
 use crate::numeric::least_squares::Evaluation;
-use crate::verify::Systematic;
+use crate::verify::{Row, Systematic};
 use nalgebra::DVector;
 
 /// Goodness of fit, systematic residuals, prediction, what the data can tell.
@@ -127,7 +127,8 @@ fn percent(chance: f64) -> String {
 }
 
 fn unexplained(problem: &Problem, calibration: &Calibration, stand_out: bool) -> Option<String> {
-    if calibration.chance.is_none_or(|chance| chance >= SIGNIFICANCE) {
+    let of_priors = calibration.error_scale == 1.0 && problem.loss == Loss::Squares;
+    if of_priors || calibration.chance.is_none_or(|chance| chance >= SIGNIFICANCE) {
         return None;
     }
     let names: Vec<&str> = problem.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
@@ -287,6 +288,7 @@ pub(super) fn warnings(
     }
     warnings.extend(outliers::sentences(problem, &statistics.outliers(problem, at)));
     warnings.extend(repeated_rows(problem));
+    warnings.extend(same_inputs(problem));
     warnings.extend(constant_columns(problem, calibration));
     warnings
 }
@@ -322,6 +324,25 @@ fn repeated_rows(problem: &Problem) -> Vec<String> {
 
 /// Reading errors by which a prediction moves while its reading stays.
 const MOVES: f64 = 5.0;
+
+/// Rows that differ in what was read alone.
+fn same_inputs(problem: &Problem) -> Option<String> {
+    let experiment = &problem.experiment;
+    let (first, others) = experiment.rows.split_first()?;
+    let differs = |row: &Row| {
+        let points = experiment.points.iter().zip(row.observed.iter().zip(&first.observed));
+        let mut off =
+            points.flat_map(|(point, (a, b))| point.axes.iter().map(move |&i| (a[i] - b[i], point)));
+        off.any(|(off, point)| off.abs() > MOVES * point.reading_error)
+    };
+    let same = others.iter().all(|row| row.inputs == first.inputs);
+    (same && others.iter().any(differs)).then(|| {
+        format!(
+            "All rows have the same inputs ({}), and other readings: is that column what was set?",
+            experiment.inputs_of(first)
+        )
+    })
+}
 
 fn constant_columns(problem: &Problem, calibration: &Calibration) -> Vec<String> {
     let mut sentences = Vec::new();
