@@ -397,11 +397,15 @@ fn a_wrong_unit_may_be_meant() {
         let found = found.expect("is meant");
         assert!(found.warnings[0].contains(&format!("Probably {words}")), "{:?}", found.warnings);
     }
-    let error = heavy(&|_| ()).expect_err("is not meant").to_string();
-    assert!(error.contains(words) && error.contains("(--bounds, --prior) of youngs_modulus"), "{error}");
-    let error = heavy(&|flags| flags.free = vec!["shear_modulus".to_owned()]).expect_err("fails").to_string();
+    let error =
+        heavy(&|flags| flags.free = vec!["density".to_owned()]).expect_err("is not meant").to_string();
+    assert!(error.contains(words) && error.contains("(--bounds, --prior) of density"), "{error}");
+    let error = heavy(&|_| ()).expect_err("ends on a bound").to_string();
+    assert!(error.contains("1500.0 GPa, which no robot has") && error.contains(words), "{error}");
+    let error =
+        heavy(&|flags| flags.free = vec!["base.position.z".to_owned()]).expect_err("fails").to_string();
     assert!(
-        error.starts_with("shear_modulus has no influence") && error.contains("do not free it"),
+        error.starts_with("base.position.z has no influence") && error.contains("do not free it"),
         "{error}"
     );
     assert!(error.contains(&format!("probably {words}")), "{error}");
