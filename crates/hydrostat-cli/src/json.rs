@@ -292,7 +292,9 @@ fn displacement(part: &Displacement) -> Map<String, Value> {
 /// `plan --json`.
 pub(crate) fn plan(request: &Request, plan: &Plan) -> Value {
     let parameters = plan.parameters.iter().map(|planned| {
-        let [now, after] = plan.quantiles;
+        let half =
+            |error: Option<f64>, times: Option<f64>| error.zip(times).map(|(error, times)| error * times);
+        let [now, after_d, after_a] = plan.quantiles;
         json!({
             "name": planned.parameter.name,
             "value": planned.value,
@@ -300,9 +302,9 @@ pub(crate) fn plan(request: &Request, plan: &Plan) -> Value {
             "standard_error_now": planned.now,
             "standard_error_after_d_optimal": planned.after_d,
             "standard_error_after_a_optimal": planned.after_a,
-            "half_interval_95_now": planned.now.map(|error| error * now),
-            "half_interval_95_after_d_optimal": planned.after_d.map(|error| error * after),
-            "half_interval_95_after_a_optimal": planned.after_a.map(|error| error * after),
+            "half_interval_95_now": half(planned.now, now),
+            "half_interval_95_after_d_optimal": half(planned.after_d, after_d),
+            "half_interval_95_after_a_optimal": half(planned.after_a, after_a),
         })
     });
     let key = |limit: &Limit| input_key(&limit.input.column, limit.input.quantity);
@@ -339,5 +341,6 @@ pub(crate) fn plan(request: &Request, plan: &Plan) -> Value {
         "a_optimal": design(&plan.a_optimal),
         "parameters": parameters.collect::<Vec<_>>(),
         "verdict": plan.verdict,
+        "warnings": plan.warnings,
     })
 }

@@ -17,7 +17,7 @@ pub(crate) struct Args {
     #[command(flatten)]
     free: FreeArgs,
     /// What a column can be set to, such as "mass=0 g to 100 g" or "mass=0 g, 20 g, 50 g"; also mount_angle, tension.NAME,
-    /// displacement.NAME
+    /// displacement.NAME; may be repeated
     /// [default: the range of the data]
     #[arg(long, value_name = "NAME=RANGE")]
     limit: Vec<String>,
@@ -27,7 +27,7 @@ pub(crate) struct Args {
     /// How often the same row may be planned [default: 1]
     #[arg(long, value_name = "N")]
     repeats: Option<usize>,
-    /// Start of the random candidates, which are taken where more than five inputs vary
+    /// Start of the random candidates, which are taken where a grid would have more than 400 rows
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// Print everything as JSON
@@ -51,6 +51,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome, Error> {
     warn(&parsed.warnings);
     let request = parsed.value;
     let plan = plan(&request, &Settings::default())?;
+    warn(&plan.warnings);
     let stdout = if args.json { format!("{}\n", json::plan(&request, &plan)) } else { text(&request, &plan) };
     Ok(Outcome { stdout, end: End::Passed })
 }
@@ -138,14 +139,16 @@ fn parameters(plan: &Plan) -> Vec<Vec<String>> {
             let shown = |error: f64| parameter.show(error * times, Some(error * times));
             error.map_or_else(|| "not determined".to_owned(), shown)
         };
-        let half = |error: &Option<f64>, quantile: f64| match error {
-            Some(_) => format!("+- {}", show(error, quantile)),
-            None => show(error, 1.0),
+        let half = |error: &Option<f64>, quantile: Option<f64>| match (error, quantile) {
+            (Some(_), Some(quantile)) => format!("+- {}", show(error, quantile)),
+            (Some(_), None) => "not known".to_owned(),
+            (None, _) => show(error, 1.0),
         };
-        let [then, later] = plan.quantiles;
         let mut cells = vec![parameter.name.clone(), parameter.show(*value, None)];
         cells.extend([now, after_d, after_a].map(|error| show(error, 1.0)));
-        cells.extend([half(now, then), half(after_d, later), half(after_a, later)]);
+        cells.extend(
+            [now, after_d, after_a].iter().zip(plan.quantiles).map(|(error, times)| half(error, times)),
+        );
         table.push(cells);
     }
     table

@@ -1,5 +1,6 @@
 //! Fits parameters of a robot and its bench to what was measured, and says how sure they are.
 
+mod check;
 mod fit;
 mod neighbours;
 mod outliers;
@@ -9,6 +10,7 @@ mod plausible;
 mod predict;
 mod ranking;
 mod search;
+mod sensitivity;
 mod setup;
 mod statistics;
 mod units;
@@ -16,13 +18,15 @@ mod verdict;
 
 pub use parameter::{Parameter, Prior};
 pub use part::{Dimension, Part};
+pub use sensitivity::{Expected, Points, expected, predict, predictions, sensitivities, start};
 pub use verdict::in_common;
 
+use crate::numeric::least_squares::{Evaluation, Minimum};
 use crate::statics::Settings;
 use crate::verify::{Experiment, PointError, Row, Summary, systematic};
 use crate::{Error, Robot};
 use fit::Fit;
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector};
 use statistics::Statistics;
 
 /// A bench, and what of it is not known.
@@ -157,47 +161,13 @@ impl Problem {
         self.experiment.rows.len()
             * self.experiment.points.iter().map(|point| point.axes.len()).sum::<usize>()
     }
-
-    fn check(&self) -> Result<(), Error> {
-        self.experiment.refuse_impossible_readings()?;
-        if self.folds == 1 || self.folds > self.experiment.rows.len() {
-            let (folds, rows) = (self.folds, self.experiment.rows.len());
-            return Err(Error::new(format!("{rows} rows in {folds} folds, expected 2 to {rows} folds")));
-        }
-        if self.experiment.rows.is_empty() {
-            return Err(Error::new("the experiment has no rows"));
-        }
-        if self.parameters.is_empty() {
-            return Err(Error::new("nothing is free, so that there is nothing to calibrate"));
-        }
-        for (j, parameter) in self.parameters.iter().enumerate() {
-            let earlier = self.parameters[..j]
-                .iter()
-                .find(|other| other.parts.iter().any(|part| parameter.parts.contains(part)));
-            if let Some(other) = earlier {
-                return Err(Error::new(format!(
-                    "\"{}\" and \"{}\" free the same quantity",
-                    other.name, parameter.name
-                )));
-            }
-        }
-        let priors = self.parameters.iter().filter(|parameter| parameter.prior.is_some()).count();
-        let (free, coordinates) = (self.parameters.len(), self.coordinates());
-        if free > coordinates + priors {
-            return Err(Error::new(format!(
-                "{free} free parameters, but only {coordinates} measured coordinates"
-            ))
-            .hint("free fewer, tie some (a+b), give priors, or measure more"));
-        }
-        Ok(())
-    }
 }
 
 /// Least squares over all measured coordinates, theory (44) to (50).
 ///
 /// # Errors
 /// A row that cannot be solved where the fit starts, with its inputs; more free parameters than coordinates; a parameter that moves
-/// nothing that was measured; no convergence; a unit that is wrong by a power of ten.
+/// nothing that was measured; no convergence; a unit that is probably wrong.
 pub fn calibrate(problem: &Problem, settings: &Settings) -> Result<Calibration, Error> {
     calibrate_watched(problem, settings, &mut |_| ())
 }
@@ -209,8 +179,21 @@ pub fn calibrate_watched(
     watch: &mut dyn FnMut(&Progress),
 ) -> Result<Calibration, Error> {
     problem.check()?;
-    let found = fitted(problem, settings, watch);
-    units::mistaken(problem, settings, found.as_ref().ok()).map_or(found, Err)
+    judged(problem, settings, watch)?
+}
+
+/// A fit of a problem that asks for what can be, for those who need it less than they fear a wrong unit.
+///
+/// # Errors
+/// A unit that is probably wrong.
+pub(crate) fn judged(
+    problem: &Problem,
+    settings: &Settings,
+    watch: &mut dyn FnMut(&Progress),
+) -> Result<Result<Calibration, Error>, Error> {
+    let mut found = fitted(problem, settings, watch);
+    units::judge(problem, settings, &mut found)?;
+    Ok(found)
 }
 
 fn fitted(
@@ -218,24 +201,60 @@ fn fitted(
     settings: &Settings,
     watch: &mut dyn FnMut(&Progress),
 ) -> Result<Calibration, Error> {
-    let experiment = &problem.experiment;
     let mut fit = Fit::new(problem, settings)?;
     let start = fit.variables(&fit.start);
     let first = fit.evaluate(&start, 1.0)?;
     let before = fit.points_at(&start)?;
     refuse_without_influence(problem, &fit, &first.jacobian)?;
 
-    // errors are as stated until chi-square refutes them; priors and robust loss then weigh against larger ones
     let found = search::from_several_starts(&mut fit, &start, watch);
-    let (mut minimum, starts) = found.map_err(|error| {
-        // what the data cannot tell apart where the fit starts is the likely reason
-        let held = vec![false; start.len()];
-        let statistics = Statistics::new(problem, &first, &held, 1.0);
-        match verdict::identifiability(problem, &statistics, &first, &fit.scale).first() {
-            Some(sentence) if start.len() > 1 && statistics.is_degenerate() => error.hint(sentence.clone()),
-            _ => error,
-        }
-    })?;
+    let (minimum, starts) = found.map_err(|error| with_likely_reason(error, &fit, &first))?;
+    let (minimum, error_scale) = reweighted(&mut fit, minimum, watch)?;
+    let values = fit.values(&minimum.x);
+    let at = fit.evaluate(&minimum.x, error_scale)?;
+    let statistics = Statistics::new(problem, &at, &minimum.held, error_scale);
+    let after = fit.points_at(&minimum.x)?;
+
+    let mut calibration = result(&fit, &minimum, &statistics, error_scale, [before, after]);
+    refuse_collapse(&calibration, &minimum)?;
+    let length = calibration.robot.length();
+    calibration.starts = starts;
+    let left_out = statistics.left_out(problem, &at);
+    calibration.left_out = left_out.map(|errors| {
+        problem.experiment.summary(problem.experiment.robot.length(), errors.into_iter().flatten())
+    });
+    let tested = (problem.folds > 0)
+        .then(|| search::fold_errors(problem, settings, &values, error_scale, watch))
+        .transpose()?;
+    let (folds, not_known) = tested.map_or((None, None), |tested| match tested {
+        Ok(errors) => (Some(problem.experiment.summary(length, errors.into_iter())), None),
+        Err(sentence) => (None, Some(sentence)),
+    });
+    calibration.folds = folds;
+    if !problem.holdout.is_empty() {
+        let lengths = [problem.experiment.robot.length(), length];
+        calibration.holdout = Some(held_out(problem, settings, [&fit.start, &values], lengths)?);
+    }
+    put_in_words(&mut calibration, &fit, &minimum, &statistics, &at, not_known)?;
+    Ok(calibration)
+}
+
+/// What the data cannot tell apart where the fit starts is the likely reason for a fit that fails.
+fn with_likely_reason(error: Error, fit: &Fit, first: &Evaluation) -> Error {
+    let statistics = Statistics::new(fit.problem, first, &vec![false; fit.scale.len()], 1.0);
+    match verdict::identifiability(fit.problem, &statistics, first, &fit.scale).first() {
+        Some(sentence) if fit.scale.len() > 1 && statistics.is_degenerate() => error.hint(sentence.clone()),
+        _ => error,
+    }
+}
+
+/// Errors are as stated until chi-square refutes them; priors and robust loss then weigh against larger ones.
+fn reweighted(
+    fit: &mut Fit,
+    mut minimum: Minimum,
+    watch: &mut dyn FnMut(&Progress),
+) -> Result<(Minimum, f64), Error> {
+    let problem = fit.problem;
     let mut error_scale = statistics::error_scale(problem, &minimum, 1.0);
     let weighs =
         problem.loss == Loss::Huber || problem.parameters.iter().any(|parameter| parameter.prior.is_some());
@@ -243,102 +262,135 @@ fn fitted(
         if !weighs {
             break;
         }
+        let before = minimum.steps;
         minimum = fit.minimize(&minimum.x, error_scale, problem.loss, watch)?;
+        minimum.steps += before;
         let next = statistics::error_scale(problem, &minimum, error_scale);
         if (next / error_scale - 1.0).abs() < SETTLED {
             break;
         }
         error_scale = next;
     }
-    let values = fit.values(&minimum.x);
-    let at = fit.evaluate(&minimum.x, error_scale)?;
-    let statistics = Statistics::new(problem, &at, &minimum.held, error_scale);
+    Ok((minimum, error_scale))
+}
 
-    let after = fit.points_at(&minimum.x)?;
-    let rows: Vec<CalibratedRow> = experiment
-        .rows
-        .iter()
-        .zip(before.iter().zip(&after))
+/// What the fit itself says, with the points before and after: no tests of prediction, no words.
+fn result(
+    fit: &Fit,
+    minimum: &Minimum,
+    statistics: &Statistics,
+    error_scale: f64,
+    [before, after]: [Points; 2],
+) -> Calibration {
+    let problem = fit.problem;
+    let experiment = &problem.experiment;
+    let rows = experiment.rows.iter().zip(before.iter().zip(&after));
+    let rows: Vec<CalibratedRow> = rows
         .map(|(row, (before, after))| CalibratedRow {
             inputs: row.inputs.clone(),
             before: experiment.differences(row, before),
             after: experiment.differences(row, after),
         })
         .collect();
-    let calibrated = fit.base.with(&problem.parameters, &values);
-    let robot = calibrated.turned();
     let summary = |length: f64, errors: &dyn Fn(&CalibratedRow) -> Vec<PointError>| {
         experiment.summary(length, rows.iter().flat_map(errors))
     };
-    let inputs: Vec<&[f64]> = rows.iter().map(|row| row.inputs.as_slice()).collect();
-    let residuals: Vec<&[PointError]> = rows.iter().map(|row| row.after.as_slice()).collect();
-    let runs = systematic(experiment, &inputs, &residuals);
-    let alike = neighbours::alike(experiment, &rows);
-    let tests = runs
-        .iter()
-        .map(|found| found.is)
-        .chain(alike.iter().map(|alike| alike.chance < statistics::SIGNIFICANCE));
-    let follows = tests.reduce(|a, b| a || b);
+    let values = fit.values(&minimum.x);
+    let robot = fit.base.with(&problem.parameters, &values).turned();
     let parameters = problem.parameters.iter().enumerate().map(|(j, parameter)| {
         let standard_error = statistics.standard_error(j).map(|error| error * fit.scale[j]);
-        let half = standard_error.map(|error| statistics.quantile * error);
+        let half = standard_error.zip(statistics.quantile).map(|(error, quantile)| quantile * error);
         Estimate::new(parameter, fit.start[j], values[j], standard_error, half)
     });
-    let folds = (problem.folds > 0)
-        .then(|| search::fold_errors(problem, settings, &values, error_scale, watch))
-        .transpose()?;
-    let (folds, not_known) = match folds {
-        Some(Ok(errors)) => (Some(experiment.summary(robot.length(), errors.into_iter())), None),
-        Some(Err(sentence)) => (None, Some(sentence)),
-        None => (None, None),
-    };
-    let holdout = (!problem.holdout.is_empty()).then(|| {
-        let lengths = [experiment.robot.length(), robot.length()];
-        held_out(problem, settings, [&fit.start, &values], lengths)
-    });
-    let mut calibration = Calibration {
-        holdout: holdout.transpose()?,
-        folds,
-        starts,
+    Calibration {
         parameters: parameters.collect(),
         correlation: statistics.correlation(),
         before: summary(experiment.robot.length(), &|row| row.before.clone()),
         after: summary(robot.length(), &|row| row.after.clone()),
         robot,
+        rows,
         chi_square: statistics.chi_square,
         degrees_of_freedom: statistics.degrees_of_freedom,
         chance: statistics.chance,
         error_scale,
         unexplained: statistics.unexplained,
-        systematic: follows,
-        left_out: statistics
-            .left_out(problem, &at)
-            .map(|errors| experiment.summary(experiment.robot.length(), errors.into_iter().flatten())),
-        rows,
+        systematic: None,
+        left_out: None,
+        folds: None,
+        starts: None,
+        holdout: None,
         verdict: Vec::new(),
         warnings: Vec::new(),
         steps: minimum.steps,
+    }
+}
+
+/// Standard error over value, and value over that of the files, at which a quantity that must be above 0 has none.
+const TELLS_NOTHING: f64 = 100.0;
+const VANISHED: f64 = 1e-4;
+
+/// A value that no robot has, or of which the table tells nothing, is no fit, unless the user allows it by bounds.
+fn refuse_collapse(calibration: &Calibration, minimum: &Minimum) -> Result<(), Error> {
+    let all = calibration.parameters.iter().zip(&minimum.held);
+    let all: Vec<(&Estimate, bool)> =
+        all.map(|(estimate, held)| (estimate, *held)).filter(|(e, _)| !e.parameter.bounded).collect();
+    let positive = |estimate: &Estimate| estimate.parameter.parts[0].lowest_possible() > 0.0;
+    let errs = calibration.after.mean_fraction > units::EXPLAINED;
+    let impossible = |(estimate, held): &&(&Estimate, bool)| {
+        let ends = *held && errs && estimate.value == estimate.parameter.bounds[1];
+        positive(estimate) && estimate.value < VANISHED * estimate.before || ends
     };
-    calibration.verdict = verdict::verdict(problem, &calibration, &statistics, &at, &fit.scale);
-    let narrow = alike.as_ref().and_then(|alike| verdict::narrow(alike, problem.experiment.rows.len()));
+    let unknown = |(estimate, _): &&(&Estimate, bool)| {
+        let error = estimate.standard_error.unwrap_or(0.0);
+        positive(estimate) && error > TELLS_NOTHING * estimate.value
+    };
+    let (estimate, what) = match (all.iter().find(impossible), all.iter().find(unknown)) {
+        (Some((estimate, _)), _) => (estimate, "which no robot has"),
+        (None, Some((estimate, _))) => (estimate, "of which the table tells nothing"),
+        (None, None) => return Ok(()),
+    };
+    Err(Error::new(format!(
+        "the fit ends at {} = {}, {what}: its mean error is {:.1} mm there, {:.1} mm with the values of the files",
+        estimate.parameter.name,
+        estimate.parameter.show(estimate.value, None),
+        1e3 * calibration.after.mean,
+        1e3 * calibration.before.mean
+    ))
+    .hint(
+        "check the table for swapped columns, a turned axis or a wrong unit: `hydrostat verify` shows it row by row; or give bounds \
+         or priors",
+    ))
+}
+
+/// Tests of the residuals, verdict and warnings.
+fn put_in_words(
+    calibration: &mut Calibration,
+    fit: &Fit,
+    minimum: &Minimum,
+    statistics: &Statistics,
+    at: &Evaluation,
+    not_known: Option<String>,
+) -> Result<(), Error> {
+    let problem = fit.problem;
+    let experiment = &problem.experiment;
+    let inputs: Vec<&[f64]> = calibration.rows.iter().map(|row| row.inputs.as_slice()).collect();
+    let residuals: Vec<&[PointError]> = calibration.rows.iter().map(|row| row.after.as_slice()).collect();
+    let runs = systematic(experiment, &inputs, &residuals);
+    let alike = neighbours::alike(experiment, &calibration.rows);
+    let tests = runs
+        .iter()
+        .map(|found| found.is)
+        .chain(alike.iter().map(|alike| alike.chance < statistics::SIGNIFICANCE));
+    calibration.systematic = tests.reduce(|a, b| a || b);
+
+    calibration.verdict = verdict::verdict(problem, calibration, statistics, at, &fit.scale);
+    let narrow = alike.as_ref().and_then(|alike| verdict::narrow(alike, experiment.rows.len()));
     calibration.verdict.splice(1..1, verdict::follows(runs.into_iter().next(), alike));
-    calibration.warnings = verdict::warnings(problem, &calibration, &statistics, &at, &minimum.held);
+    calibration.warnings = verdict::warnings(problem, calibration, statistics, at, &minimum.held);
     calibration.warnings.extend(narrow.into_iter().chain(not_known));
-    for (j, parameter) in problem.parameters.iter().enumerate() {
-        let stated = parameter.start(&fit.base)?;
-        if stated != fit.start[j] {
-            calibration.warnings.push(format!(
-                "The file's {} = {} lies outside its bounds: the fit and \"before\" start from {}.",
-                parameter.name,
-                parameter.show(stated, None),
-                parameter.show(fit.start[j], None)
-            ));
-        }
-    }
-    if minimum.crept {
-        calibration.warnings.push(verdict::CREPT.to_owned());
-    }
-    Ok(calibration)
+    calibration.warnings.extend(problem.moved_starts()?);
+    calibration.warnings.extend(minimum.crept.then(|| verdict::CREPT.to_owned()));
+    Ok(())
 }
 
 /// Errors of the rows that were held out, with each of two sets of values.
@@ -359,99 +411,6 @@ fn held_out(
     };
     let both = errors(0).and_then(|before| Ok([before, errors(1)?]));
     both.map_err(|error| error.within("held out"))
-}
-
-/// Where a fit of this problem starts: the values of the files, within their bounds, SI.
-///
-/// # Errors
-/// A parameter that has no value, such as the stiffness of an inextensible tendon.
-pub fn start(problem: &Problem) -> Result<Vec<f64>, Error> {
-    Fit::new(problem, &Settings::default()).map(|fit| fit.start)
-}
-
-/// What was measured, as predicted with one parameter at `value`, SI, and all others as in the files: (coordinates).
-///
-/// # Errors
-/// A row that cannot be solved, with its inputs.
-pub fn predict(
-    problem: &Problem,
-    parameter: usize,
-    value: f64,
-    settings: &Settings,
-) -> Result<DVector<f64>, Error> {
-    let mut fit = Fit::new(problem, settings)?;
-    let mut values = fit.start.clone();
-    values[parameter] = value;
-    let predicted = fit.points(&values)?;
-    let points = predicted.iter().flat_map(|row| problem.experiment.points.iter().zip(row));
-    let coordinates = points.flat_map(|(point, position)| point.axes.iter().map(|&axis| position[axis]));
-    Ok(DVector::from_vec(coordinates.collect()))
-}
-
-/// What was measured, as predicted with the values of the files: (coordinates), and its derivatives by every parameter, SI,
-/// (coordinates x parameters). Coordinates are in the order of rows, points, axes.
-///
-/// # Errors
-/// A row that cannot be solved, with its inputs.
-pub fn sensitivities(problem: &Problem, settings: &Settings) -> Result<(DVector<f64>, DMatrix<f64>), Error> {
-    let mut fit = Fit::new(problem, settings)?;
-    let at = fit.evaluate(&fit.variables(&fit.start), 1.0)?;
-    let experiment = &problem.experiment;
-    let read = experiment.rows.iter().flat_map(|row| experiment.points.iter().zip(&row.observed));
-    let read = read
-        .flat_map(|(point, observed)| point.axes.iter().map(|&axis| (observed[axis], point.reading_error)));
-    let read: Vec<(f64, f64)> = read.collect();
-    let predicted = DVector::from_fn(read.len(), |k, _| read[k].0 + read[k].1 * at.residuals[k]);
-    let jacobian =
-        DMatrix::from_fn(read.len(), fit.scale.len(), |k, j| read[k].1 * at.jacobian[(k, j)] / fit.scale[j]);
-    Ok((predicted, jacobian))
-}
-
-/// Points of every row, bench axes: (rows x points).
-pub type Points = Vec<Vec<Vector3<f64>>>;
-
-/// What was measured, as predicted with each of many sets of values, SI, in their order.
-///
-/// # Errors
-/// A row that cannot be solved with the values of the files; of a set alone where only that has none.
-pub fn predictions(
-    problem: &Problem,
-    sets: &[Vec<f64>],
-    settings: &Settings,
-) -> Result<Vec<Result<Points, Error>>, Error> {
-    fit::points_with(problem, sets, settings)
-}
-
-/// What a fit would know of its parameters.
-#[derive(Clone, Debug)]
-pub struct Expected {
-    /// Per parameter, SI; None where the rows do not determine it.
-    pub standard_errors: Vec<Option<f64>>,
-    /// Half a 95 % interval over its standard error.
-    pub quantile: f64,
-    /// In words: which combinations the rows would not tell apart.
-    pub told_apart: Vec<String>,
-}
-
-/// What a fit would know if its rows had these derivatives, SI (coordinates x parameters), and errors so many times as large as stated.
-///
-/// # Errors
-/// As [`start`].
-pub fn expected(problem: &Problem, jacobian: &DMatrix<f64>, error_scale: f64) -> Result<Expected, Error> {
-    let fit = Fit::new(problem, &Settings::default())?;
-    let mut at = fit.exact(jacobian, error_scale);
-    // what a fit would refuse to free is not determined, and in nobody's way
-    let unseen = LEAST_INFLUENCE / error_scale;
-    for mut column in at.jacobian.column_iter_mut().filter(|column| column.norm() < unseen) {
-        column.fill(0.0);
-    }
-    let statistics = Statistics::new(problem, &at, &vec![false; fit.scale.len()], error_scale);
-    let error = |j: usize| statistics.standard_error(j).map(|error| error * fit.scale[j]);
-    Ok(Expected {
-        standard_errors: (0..fit.scale.len()).map(error).collect(),
-        quantile: statistics.quantile,
-        told_apart: verdict::identifiability(problem, &statistics, &at, &fit.scale),
-    })
 }
 
 /// Turns of weights and fit, and the relative change of the errors' scale that ends them.

@@ -64,6 +64,13 @@ impl Error {
         self.place.as_deref()
     }
 
+    /// Says what else to try.
+    #[must_use]
+    pub fn or_hint(mut self, other: &str) -> Self {
+        self.hint = Some(self.hint.map_or_else(|| other.to_owned(), |first| format!("{first}; {other}")));
+        self
+    }
+
     /// Says what to try.
     #[must_use]
     pub fn hint(mut self, hint: impl Into<String>) -> Self {

@@ -6,7 +6,7 @@ mod verdict;
 
 use crate::Error;
 use crate::calibrate::{
-    Expected, LEAST_INFLUENCE, Parameter, Problem, calibrate, expected, sensitivities, start,
+    Expected, LEAST_INFLUENCE, Parameter, Problem, expected, judged, sensitivities, start,
 };
 use crate::statics::Settings;
 use crate::verify::{Experiment, Input, Row};
@@ -71,10 +71,12 @@ pub struct Plan {
     pub left_out: Vec<(String, usize)>,
     /// How many times as large as stated the reading errors are taken to be: what the fit to the rows at hand finds, else 1.
     pub error_scale: f64,
-    /// Half a 95 % interval over its standard error, now and after.
-    pub quantiles: [f64; 2],
+    /// Half a 95 % interval over its standard error: now, after the D-optimal rows, and after the A-optimal ones; None as in [`Expected`].
+    pub quantiles: [Option<f64>; 3],
     /// In words: what is won, what stays undetermined, what it rests on.
     pub verdict: Vec<String>,
+    /// In words: what to doubt before any row is measured.
+    pub warnings: Vec<String>,
 }
 
 /// A parameter with its standard errors: of the rows at hand, and expected after each design; None where not determined.
@@ -112,14 +114,15 @@ const MOST_MEASUREMENTS: usize = 100;
 /// Chooses rows from within the limits, theory (63) and (64), starting from the rows at hand.
 ///
 /// # Errors
-/// Nothing free, impossible limits, no candidate that can be measured; a row at hand that cannot be solved.
+/// Nothing free, impossible limits, no candidate that can be measured; a row at hand that cannot be solved, or whose reading is impossible
+/// or probably in a wrong unit.
 pub fn plan(request: &Request, settings: &Settings) -> Result<Plan, Error> {
     check(request)?;
     let problem = &request.problem;
     let measured = sensitivities(problem, settings)?.1;
     let (candidates, left_out) = candidates(request, settings)?;
     let scale = scale(problem)?;
-    let read = Reading::of(problem, &measured, &scale, settings);
+    let read = Reading::of(problem, &measured, &scale, settings)?;
     let errors: Vec<f64> =
         reading_errors(&problem.experiment).iter().map(|error| error * read.scale).collect();
     let priors: Vec<Option<f64>> = problem
@@ -166,9 +169,11 @@ pub fn plan(request: &Request, settings: &Settings) -> Result<Plan, Error> {
         candidates: candidates.len(),
         left_out,
         error_scale: read.scale,
-        quantiles: [now.quantile, after_d.quantile],
+        quantiles: [now.quantile, after_d.quantile, after_a.quantile],
         verdict: Vec::new(),
+        warnings: problem.moved_starts()?,
     };
+    plan.warnings.extend(read.doubt);
     plan.verdict = verdict::verdict(request, &plan, after_d.told_apart, &read.why, settings)?;
     Ok(plan)
 }
@@ -186,6 +191,8 @@ fn check(request: &Request) -> Result<(), Error> {
     if request.repeats == 0 {
         return Err(Error::new("found 0 repeats of a row, expected 1 at least"));
     }
+    request.problem.refuse_start_outside()?;
+    request.problem.experiment.refuse_impossible_readings()?;
     for Limit { input, choice } in &request.limits {
         let [low, high] = choice.range();
         if !(low <= high && low.is_finite() && high.is_finite()) {
@@ -239,51 +246,65 @@ struct Reading {
     scale: f64,
     /// Why so, as the end of a sentence.
     why: String,
+    /// A fit to the rows at hand that has failed.
+    doubt: Option<String>,
 }
 
 impl Reading {
     /// As a fit to the rows at hand finds them, of what shows there; as stated where there is none.
-    fn of(problem: &Problem, measured: &DMatrix<f64>, scale: &[f64], settings: &Settings) -> Reading {
-        let stated = |why: String| Reading { scale: 1.0, why };
-        let errors = reading_errors(&problem.experiment);
-        let shows = |j: usize| {
-            let column = measured.column(j);
-            let seen =
-                column.iter().enumerate().map(|(k, d)| (d * scale[j] / errors[k % errors.len()]).powi(2));
-            seen.sum::<f64>().sqrt() >= LEAST_INFLUENCE
-        };
-        let mut fitted = problem.clone();
-        let mut number = 0..;
-        fitted.parameters.retain(|parameter| {
-            let j = number.next().unwrap_or_default();
-            parameter.prior.is_some() || shows(j)
-        });
-        fitted.holdout.clear();
-        (fitted.starts, fitted.folds) = (1, 0);
-        if fitted.parameters.is_empty() {
-            return stated(
-                "the reading error as stated, since the rows at hand show nothing of what is free".to_owned(),
-            );
+    fn of(
+        problem: &Problem,
+        measured: &DMatrix<f64>,
+        scale: &[f64],
+        settings: &Settings,
+    ) -> Result<Reading, Error> {
+        let shown = shown_at_hand(problem, measured, scale);
+        if shown.parameters.is_empty() {
+            return Ok(Reading::stated("since the rows at hand show nothing of what is free"));
         }
-        match calibrate(&fitted, settings) {
-            Ok(found) if found.chance.is_none() => stated(
-                "the reading error as stated, since the rows at hand leave nothing to judge it by".to_owned(),
-            ),
+        let found = match shown.check() {
+            Ok(()) => judged(&shown, settings, &mut |_| ())?,
+            Err(error) => Err(error),
+        };
+        Ok(match found {
+            Ok(found) if found.chance.is_none() => {
+                Reading::stated("since the rows at hand leave nothing to judge it by")
+            }
             Ok(found) if found.error_scale > 1.0 => Reading {
                 scale: found.error_scale,
                 why: format!(
                     "errors {:.1} times the stated reading error, as the fit to the {} rows at hand finds them",
                     found.error_scale,
-                    fitted.experiment.rows.len()
+                    shown.experiment.rows.len()
                 ),
+                doubt: None,
             },
-            Ok(_) => stated(
-                "the reading error as stated, which the fit to the rows at hand does not refute".to_owned(),
-            ),
-            Err(error) => stated(format!(
-                "the reading error as stated, since the rows at hand have no fit ({})",
-                error.message()
-            )),
-        }
+            Ok(_) => Reading::stated("which the fit to the rows at hand does not refute"),
+            Err(error) => Reading {
+                doubt: Some(format!(
+                    "The rows at hand have no fit, and reading errors are taken as stated: {}.",
+                    error.message()
+                )),
+                ..Reading::stated("since the rows at hand have no fit")
+            },
+        })
     }
+
+    fn stated(why: &str) -> Reading {
+        Reading { scale: 1.0, why: format!("the reading error as stated, {why}"), doubt: None }
+    }
+}
+
+/// The problem at hand, with what shows there alone free.
+fn shown_at_hand(problem: &Problem, measured: &DMatrix<f64>, scale: &[f64]) -> Problem {
+    let errors = reading_errors(&problem.experiment);
+    let shows = |j: usize| {
+        let column = measured.column(j);
+        let seen = column.iter().enumerate().map(|(k, d)| (d * scale[j] / errors[k % errors.len()]).powi(2));
+        seen.sum::<f64>().sqrt() >= LEAST_INFLUENCE
+    };
+    let parameters = problem.parameters.iter().enumerate();
+    let shown = parameters.filter(|(j, parameter)| parameter.prior.is_some() || shows(*j));
+    let parameters = shown.map(|(_, parameter)| parameter.clone()).collect();
+    Problem { parameters, starts: 1, folds: 0, holdout: Vec::new(), ..problem.clone() }
 }

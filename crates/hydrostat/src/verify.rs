@@ -326,27 +326,23 @@ impl Experiment {
 
     /// The inputs of a row as the data file gives them: `mass 20 g`.
     pub fn inputs_of(&self, row: &Row) -> String {
-        let inputs = self.inputs.iter().zip(&row.inputs);
-        let texts: Vec<String> = inputs
-            .map(|(input, value)| {
-                let value = value / input.unit.1;
-                // nine digits drop what the conversion to SI and back adds
-                format!("{} {} {}", input.column, (value * 1e9).round() / 1e9, input.unit.0)
-            })
-            .collect();
+        // nine digits drop what the conversion to SI and back adds
+        let exact = |value: f64| (value * 1e9).round() / 1e9;
+        let texts: Vec<String> = (0..self.inputs.len()).map(|i| self.input_of(row, i, exact)).collect();
         texts.join(", ")
     }
 
     /// The inputs that vary from row to row, with four digits.
     pub(crate) fn varied_inputs_of(&self, row: &Row) -> Vec<String> {
-        let inputs = self.inputs.iter().enumerate();
-        let varied = inputs.filter(|(i, _)| self.rows.iter().any(|other| other.inputs[*i] != row.inputs[*i]));
-        let texts = varied.map(|(i, input)| {
-            let value = row.inputs[i] / input.unit.1;
-            let rounded = format!("{value:.3e}").parse().unwrap_or(value);
-            format!("{} {rounded} {}", input.column, input.unit.0)
-        });
-        texts.collect()
+        let varies = |i: &usize| self.rows.iter().any(|other| other.inputs[*i] != row.inputs[*i]);
+        let short = |value: f64| format!("{value:.3e}").parse().unwrap_or(value);
+        (0..self.inputs.len()).filter(varies).map(|i| self.input_of(row, i, short)).collect()
+    }
+
+    /// An input of a row, its value in the unit of the file as it is to be shown.
+    fn input_of(&self, row: &Row, i: usize, shown: impl Fn(f64) -> f64) -> String {
+        let Input { column, unit: (unit, size), .. } = &self.inputs[i];
+        format!("{column} {} {unit}", shown(row.inputs[i] / size))
     }
 
     /// Predicted points of every row, bench axes.

@@ -39,7 +39,11 @@ const EXCEPTIONS: [(&str, &str, &str); 11] = [
         "tolerances are of the parameters that a calibration may free, with its sensitivities",
     ),
     ("plan", "verify", "a plan adds rows to a bench"),
-    ("plan", "calibrate", "a plan serves the parameters that a calibration frees, with its sensitivities"),
+    (
+        "plan",
+        "calibrate",
+        "a plan serves the parameters that a calibration frees, with its sensitivities and its fit",
+    ),
 ];
 
 /// What would make the core depend on the machine it runs on.

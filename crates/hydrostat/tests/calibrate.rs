@@ -3,7 +3,7 @@
 mod rods;
 
 use hydrostat::Error;
-use hydrostat::calibrate::{Calibration, Loss, Problem, calibrate, sensitivities};
+use hydrostat::calibrate::{Calibration, Loss, Prior, Problem, calibrate, sensitivities};
 use hydrostat::description::{CalibrationFlags, builtin, parse_calibration};
 use hydrostat::statics::Settings;
 use nalgebra::Vector3;
@@ -299,7 +299,7 @@ fn a_bound_holds_and_is_said() {
     );
     assert!(found.parameters[1].interval_95.is_some());
     assert!(found.warnings[0].contains("lies on its bound"), "{:?}", found.warnings);
-    let outside = "lies outside its bounds: the fit and \"before\" start from";
+    let outside = "lies outside its bounds: 61.000 GPa is taken in its place";
     assert!(found.warnings.iter().any(|warning| warning.contains(outside)), "{:?}", found.warnings);
     // alone on its bound it leaves nothing to be sure of
     let mut alone = flags("youngs_modulus");
@@ -366,7 +366,10 @@ fn a_wrong_unit_is_an_error() {
             (1.0, 0.1, "the measured coordinates multiplied by 10"),
         ] {
             let error = bench(free, mass, reading).expect_err(words).to_string();
-            assert!(error.starts_with("a unit is wrong: with ") && error.contains(words), "{free}: {error}");
+            assert!(
+                error.contains("probably a unit is wrong: with ") && error.contains(words),
+                "{free}: {error}"
+            );
             assert!(error.contains("check the unit in the header"), "{error}");
         }
     }
@@ -375,6 +378,108 @@ fn a_wrong_unit_is_an_error() {
         let found = bench("youngs_modulus", factor, 1.0);
         assert!(found.is_ok(), "{factor}: {found:?}");
     }
+}
+
+/// Who says what may come out, or has a fit that fails, is told no less.
+#[test]
+fn a_wrong_unit_may_be_meant() {
+    let words = "a unit is wrong: with the column mass [g] divided by 1000";
+    let heavy = |set: &dyn Fn(&mut CalibrationFlags)| {
+        let mut flags = flags("youngs_modulus");
+        set(&mut flags);
+        let mut problem = builtin::calibration(&flags).expect("is valid").value;
+        problem.experiment.rows.iter_mut().for_each(|row| row.inputs[0] *= 1e3);
+        calibrate(&problem, &Settings::default())
+    };
+    let bounded = heavy(&|flags| flags.bounds = vec!["youngs_modulus=1 GPa to 1000000 GPa".to_owned()]);
+    let prior = heavy(&|flags| flags.prior = vec!["youngs_modulus=50000 GPa +- 10000 GPa".to_owned()]);
+    for found in [bounded, prior] {
+        let found = found.expect("is meant");
+        assert!(found.warnings[0].contains(&format!("Probably {words}")), "{:?}", found.warnings);
+    }
+    let error =
+        heavy(&|flags| flags.free = vec!["density".to_owned()]).expect_err("is not meant").to_string();
+    assert!(error.contains(words) && error.contains("(--bounds, --prior) of density"), "{error}");
+    let error = heavy(&|_| ()).expect_err("ends on a bound").to_string();
+    assert!(error.contains("1500.0 GPa, which no robot has") && error.contains(words), "{error}");
+    let error =
+        heavy(&|flags| flags.free = vec!["base.position.z".to_owned()]).expect_err("fails").to_string();
+    assert!(
+        error.starts_with("base.position.z has no influence") && error.contains("do not free it"),
+        "{error}"
+    );
+    assert!(error.contains(&format!("probably {words}")), "{error}");
+}
+
+/// The data alone say 60 GPa, with an error of a few hundredths: a prior far off neither wins nor goes unnoticed.
+#[test]
+fn a_prior_does_not_excuse_itself() {
+    let alone = fit(&problem(&noisy(), "youngs_modulus"));
+    let (value, error) =
+        (alone.parameters[0].value, alone.parameters[0].standard_error.expect("is determined"));
+    let mut told = problem(&noisy(), "youngs_modulus");
+    told.parameters[0].prior = Some(Prior { value: value - 30.0 * error, standard_error: 3.0 * error });
+    let found = fit(&told);
+    // weights of the data and the prior are 9 to 1
+    let expected = value - 30.0 * error / 10.0;
+    assert!((found.parameters[0].value - expected).abs() < 0.1 * error, "{:?} {expected}", found.parameters);
+    assert!(
+        found.warnings.iter().any(|warning| warning.contains("standard errors from its prior")),
+        "{found:?}"
+    );
+    assert_eq!(found.error_scale, alone.error_scale);
+    assert!(found.verdict[0].contains("contradict the data"), "{:?}", found.verdict);
+    assert!(found.steps > 0);
+}
+
+#[test]
+fn swapped_columns_are_an_error() {
+    let mut swapped = problem(&exact(), "section.a.length+section.b.length");
+    for row in &mut swapped.experiment.rows {
+        row.observed[0] = Vector3::new(row.observed[0].y, row.observed[0].x, 0.0);
+    }
+    let error = calibrate(&swapped, &Settings::default()).expect_err("is no length").to_string();
+    assert!(error.contains("which no robot has") && error.contains("swapped columns"), "{error}");
+}
+
+#[test]
+fn bounds_and_slips_are_named_as_causes() {
+    let mut bounded = flags("youngs_modulus");
+    bounded.bounds = vec!["youngs_modulus=70 GPa to 80 GPa".to_owned()];
+    let words = fit(&problem_of(&short_rod(), BENCH, &table(&noisy()), &bounded).expect("is valid"))
+        .verdict
+        .join(" ");
+    assert!(words.contains("the bounds of youngs_modulus keep the fit from a better one"), "{words}");
+    for loss in [Loss::Squares, Loss::Huber] {
+        let mut slip = noisy();
+        slip[4] += 5e-3;
+        let mut slip = problem(&slip, "youngs_modulus");
+        slip.loss = loss;
+        let found = fit(&slip);
+        let words = [found.verdict, found.warnings].concat().join(" ");
+        assert!(words.contains("looks like an outlier") && !words.contains(" inf "), "{words}");
+        assert!(!words.contains("readings are less exact than stated"), "{words}");
+    }
+}
+
+/// A fit keeps to what solids have unless it is told; what only asks for derivatives takes the file's value.
+#[test]
+fn a_start_that_no_solid_has_is_an_error() {
+    let stiff = short_rod().replace("60 GPa", "5000 GPa");
+    let bench = |flags| problem_of(&stiff, BENCH, &table(&exact()), &flags).expect("is valid");
+    let told = bench(flags("youngs_modulus"));
+    let error = calibrate(&told, &Settings::default()).expect_err("no solid").to_string();
+    for words in ["the files have youngs_modulus = 5000.0 GPa", "to 1500.0 GPa", "--bounds \"youngs_modulus="]
+    {
+        assert!(error.contains(words), "expected {words:?} in {error}");
+    }
+    assert_eq!(hydrostat::calibrate::start(&told).expect("has values"), [5000e9]);
+    let bounded = CalibrationFlags {
+        bounds: vec!["youngs_modulus=500.00 GPa to 50000 GPa".to_owned()],
+        ..flags("youngs_modulus")
+    };
+    let found = calibrate(&bench(bounded), &Settings::default()).expect("fits");
+    assert_eq!((found.parameters[0].before, found.parameters[0].value), (5000e9, 500e9));
 }
 
 /// One sentence for both tests.
@@ -420,6 +525,14 @@ fn doubtful_data_and_values_are_said() {
     let mut constant = exact();
     constant.iter_mut().skip(1).step_by(2).for_each(|y| *y = -0.03);
     warned(&constant, "youngs_modulus", "reads the same in every row");
+    let mut same = problem(&noisy(), "youngs_modulus");
+    same.experiment.rows.iter_mut().for_each(|row| row.inputs[0] = 15e-3);
+    let found = fit(&same);
+    assert!(
+        found.warnings.iter().any(|warning| warning.starts_with("All rows have the same inputs (mass 15 g)")),
+        "{:?}",
+        found.warnings
+    );
     let mut twice = problem(&noisy(), "youngs_modulus");
     twice.experiment.rows[3] = twice.experiment.rows[2].clone();
     assert!(fit(&twice).warnings.iter().any(|warning| warning.contains("row 4 repeats row 3")));

@@ -1,9 +1,9 @@
 //! Plans against brute force, and against what `calibrate` reports once the planned rows are measured.
 
 use hydrostat::Error;
-use hydrostat::calibrate::{Problem, calibrate, sensitivities};
+use hydrostat::calibrate::{Problem, calibrate, expected, sensitivities};
 use hydrostat::description::{CalibrationFlags, PlanFlags, builtin, parse_plan};
-use hydrostat::plan::{Plan, Request, plan};
+use hydrostat::plan::{Choice, Plan, Request, plan};
 use hydrostat::statics::Settings;
 use hydrostat::verify::Row;
 use nalgebra::{DMatrix, Vector3};
@@ -132,7 +132,7 @@ fn expected_errors_are_those_of_a_calibration() {
                 );
             }
             let [low, high] = after.parameters[j].interval_95.expect("is determined");
-            let half = found.quantiles[1] * planned.after_d.expect("is determined");
+            let half = found.quantiles[1].expect("is known") * planned.after_d.expect("is determined");
             assert!((half / (0.5 * (high - low)) - 1.0).abs() < CLOSE, "{half:e} {low:e} {high:e}");
         }
     }
@@ -152,7 +152,7 @@ fn errors_are_those_of_the_fit_to_the_rows_at_hand() {
             (planned.now.expect("is determined"), estimate.standard_error.expect("is determined"));
         assert!((now / reported - 1.0).abs() < CLOSE, "{}: {now:e} {reported:e}", planned.parameter.name);
         let [low, high] = estimate.interval_95.expect("is determined");
-        let half = found.quantiles[0] * now;
+        let half = found.quantiles[0].expect("is known") * now;
         assert!((half / (0.5 * (high - low)) - 1.0).abs() < CLOSE, "{half:e} {low:e} {high:e}");
     }
     // more rows, more degrees of freedom
@@ -164,6 +164,66 @@ fn errors_are_those_of_the_fit_to_the_rows_at_hand() {
         ),
         "{last}"
     );
+}
+
+/// Two coordinates and one parameter that they see: Student's t of one degree of freedom, Abramowitz & Stegun, table 26.10.
+#[test]
+fn what_does_not_show_costs_no_degree_of_freedom() {
+    let mut few = request("youngs_modulus,shear_modulus", &["mass=0 g to 40 g"], 2);
+    few.problem.experiment.rows.drain(..10);
+    let found = planned(&few);
+    assert!(found.error_scale > 1.0, "{}", found.error_scale);
+    assert!((found.quantiles[0].expect("is known") - 12.706).abs() < 1e-3, "{:?}", found.quantiles);
+    assert!(found.parameters[1].now.is_none());
+    // as many as coordinates
+    let mut few = request("youngs_modulus,length", &["mass=0 g to 40 g"], 2);
+    few.problem.experiment.rows.drain(..10);
+    let derivatives = sensitivities(&few.problem, &Settings::default()).expect("solves").1;
+    let of = |scale| expected(&few.problem, &derivatives, scale).expect("is valid").quantile;
+    assert!(of(2.0).is_none() && of(1.0).is_some_and(f64::is_finite));
+    // one of them on its bound in the fit, none in the plan
+    few.problem.parameters[1].bounds = [0.3895, 0.3905];
+    few.problem.parameters[1].bounded = true;
+    let found = planned(&few);
+    assert!(found.error_scale > 1.0 && found.quantiles[0].is_none(), "{found:?}");
+    assert!(
+        found.verdict.iter().any(|sentence| sentence.starts_with("No 95 % interval is known now: ")),
+        "{:?}",
+        found.verdict
+    );
+}
+
+/// A table in a wrong unit plans nothing; one that has no fit for another reason plans with a warning.
+#[test]
+fn rows_at_hand_without_a_fit_are_said() {
+    let mut wrong = request("youngs_modulus", &["mass=0 g to 40 g"], 1);
+    wrong.problem.experiment.rows.iter_mut().for_each(|row| row.inputs[0] *= 1e-3);
+    let error = plan(&wrong, &Settings::default()).expect_err("wrong unit").to_string();
+    assert!(error.contains("a unit is wrong: with the column mass [g] multiplied by 1000"), "{error}");
+    let mut few = request("youngs_modulus,length,density", &["mass=0 g to 40 g"], 1);
+    few.problem.experiment.rows.truncate(1);
+    let found = planned(&few);
+    assert!(
+        found.warnings[0].contains("have no fit")
+            && found.warnings[0].contains("only 2 measured coordinates"),
+        "{:?}",
+        found.warnings
+    );
+    assert!(planned(&request("youngs_modulus", &[], 1)).warnings.is_empty());
+}
+
+/// A list with more values than a grid may have rows is drawn from, and what is drawn twice is one candidate.
+#[test]
+fn drawn_rows_are_not_repeated() {
+    let masses: Vec<String> = (0..=400).map(|i| format!("{} g", 0.1 * f64::from(i))).collect();
+    let mut request = request("youngs_modulus,length", &[&format!("mass={}", masses.join(","))], 30);
+    request.repeats = 1;
+    let found = planned(&request);
+    for design in [&found.d_optimal, &found.a_optimal] {
+        let mut masses: Vec<f64> = design.rows.iter().map(|row| row.inputs[0]).collect();
+        masses.sort_by(f64::total_cmp);
+        assert!(masses.len() == 30 && masses.windows(2).all(|pair| pair[0] < pair[1]), "{masses:?}");
+    }
 }
 
 /// A row comes as often as is allowed, and only weights that there are.
@@ -248,12 +308,35 @@ fn what_nothing_determines_is_named() {
 const SCR: &str = include_str!("../../../robots/scr.toml");
 
 fn of_scr(limits: &[&str], names: &str) -> Result<Plan, Error> {
+    plan(&scr(limits, names, "")?, &Settings::default())
+}
+
+/// With `[plan]` as given.
+fn scr(limits: &[&str], names: &str, wanted: &str) -> Result<Request, Error> {
     let bench = "name = \"scr\"\nrobot = \"scr.toml\"\ndata = \"data.csv\"\n[[vary]]\nquantity = \"tension\"\ntendon = \"a\"\n\
                  column = \"pull\"\n[[measure]]\nat = \"tip\"\nx = \"x\"\nz = \"z\"\nreading_error = \"0.5 mm\"\n";
     let data = "pull [N],x [mm],z [mm]\n0.5,1,1\n1,1,1\n";
     let mut load = |path: &str| Ok(if path == "data.csv" { data.to_owned() } else { SCR.to_owned() });
-    let request = parse_plan(bench, "bench.toml", &mut load, &free(names), &flags(limits, 2))?.value;
-    plan(&request, &Settings::default())
+    let bench = bench.to_owned() + wanted;
+    parse_plan(&bench, "bench.toml", &mut load, &free(names), &flags(limits, 2)).map(|parsed| parsed.value)
+}
+
+#[test]
+fn a_list_of_the_file_is_a_list() {
+    let read = |limit: &str| scr(&[], "youngs_modulus", &format!("[plan]\nlimit = {{ pull = {limit} }}\n"));
+    let choice = |limit: &str| read(limit).unwrap_or_else(|error| panic!("{error}")).limits[0].choice.clone();
+    assert_eq!(choice("[\"2 N\"]"), Choice::Values(vec![2.0]));
+    assert_eq!(choice("[\"2 N\", \"1 N\", \"2 N\"]"), Choice::Values(vec![1.0, 2.0]));
+    assert_eq!(choice("\"1 N to 2 N\""), Choice::Range([1.0, 2.0]));
+    for (limit, words) in [
+        ("[\"0 N to 2 N\"]", "a range stands without brackets"),
+        ("[]", "expected one value at least"),
+        ("[\"1 N\", \"-1 N\"]", "found -1 N, expected a force of at least 0"),
+        ("[\"1 N\", \"1 g\"]", "found a mass, expected a force"),
+    ] {
+        let error = read(limit).expect_err(limit).to_string();
+        assert!(error.contains(words) && error.contains("bench.toml:14:"), "expected {words:?} in {error}");
+    }
 }
 
 /// Tendons that the table does not vary may be pulled as well.
@@ -282,7 +365,10 @@ fn refusals() {
         }
     };
     refused("mass", &["found --limit \"mass\", expected NAME=LOW to HIGH"]);
-    refused("mass=5 g", &["--limit: found \"5 g\", expected two values, such as \"20 g to 20 g\""]);
+    refused(
+        "mass=5 g",
+        &["--limit \"mass=5 g\": found \"5 g\", expected two values, such as \"20 g to 20 g\""],
+    );
     refused("mass=5 g, 6 mm", &["found a length, expected a mass"]);
     refused("mass=-5 g, 6 g", &["expected a mass of at least 0"]);
     refused("mass=5 mm to 6 mm", &["found a length, expected a mass"]);

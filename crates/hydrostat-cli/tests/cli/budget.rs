@@ -35,6 +35,22 @@ fn the_built_in_bench_has_a_plan() {
     let [now, after] = ["standard_error_now", "standard_error_after_d_optimal"]
         .map(|key| value["parameters"][0][key].as_f64().unwrap());
     assert!(after < now, "{after} {now}");
+    // as many as rows are planned are as many as can be
+    let all = json(&folder.run("plan --repeats 1000000000000 --json").succeeds());
+    let three = json(&folder.run("plan --repeats 3 --json").succeeds());
+    assert_eq!(all["d_optimal"], three["d_optimal"]);
+    assert_eq!(all["warnings"].as_array().unwrap().len(), 0);
+}
+
+/// A table in grams whose header says kilograms.
+#[test]
+fn a_plan_for_a_wrong_unit_is_an_error() {
+    let folder = bench("plan_unit");
+    let table = fs::read_to_string(folder.path("try.csv")).unwrap().replace("[g]", "[kg]");
+    fs::write(folder.path("try.csv"), table).unwrap();
+    folder
+        .run("plan try.toml --free youngs_modulus --limit mass=0g,20g")
+        .refuses(&["probably a unit is wrong", "divided by 1000"]);
 }
 
 #[test]

@@ -10,6 +10,7 @@ use crate::verify::Experiment;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Error of a solution over the smallest reading error: far below what any step of the fit changes.
 const TOLERANCE: f64 = 1e-4;
@@ -36,7 +37,7 @@ pub(super) struct Fit<'a> {
     /// One per row, each with its last solution.
     workspaces: Vec<Workspace>,
     /// Rows that weigh nothing.
-    pub(super) ignored: Range<usize>,
+    ignored: Range<usize>,
     /// What the watcher is told.
     pub(super) stage: String,
     evaluations: usize,
@@ -53,14 +54,17 @@ struct Evaluated {
     points: Points,
 }
 
+/// A row and its solution; None of one that was not asked.
+type Solved = Option<(Predicted, Workspace)>;
+
 impl<'a> Fit<'a> {
     pub(super) fn new(problem: &'a Problem, settings: &statics::Settings) -> Result<Fit<'a>, Error> {
         let experiment = &problem.experiment;
         let base = Setup::new(experiment);
         let start = problem.parameters.iter().map(|parameter| {
             let value = parameter.start(&base)?;
-            let outside = value < parameter.bounds[0] || value > parameter.bounds[1];
-            Ok(if outside { parameter.bounds[0].max(parameter.bounds[1].min(value)) } else { value })
+            let [low, high] = parameter.bounds;
+            Ok(if parameter.bounded { value.clamp(low, high) } else { value })
         });
         let start = start.collect::<Result<Vec<f64>, Error>>()?;
         let scale = problem
@@ -76,6 +80,11 @@ impl<'a> Fit<'a> {
         let workspaces = vec![Workspace::default(); experiment.rows.len()];
         let (stage, evaluations, last) = ("fit".to_owned(), 0, None);
         Ok(Fit { problem, base, start, scale, settings, workspaces, ignored: 0..0, stage, evaluations, last })
+    }
+
+    /// The same with rows that weigh nothing.
+    pub(super) fn ignoring(self, rows: Range<usize>) -> Fit<'a> {
+        Fit { ignored: rows, last: None, ..self }
     }
 
     /// In SI, of variables in units of their scale.
@@ -111,26 +120,35 @@ impl<'a> Fit<'a> {
         Ok(self.last.insert(found))
     }
 
+    /// Starts from the last solutions; where a row has none, that of the first such row is the error, and they stay.
     fn solve(&mut self, x: &DVector<f64>) -> Result<Evaluated, Error> {
         let values = self.values(x);
-        let Fit { problem, base, scale, settings, workspaces, ignored, evaluations, .. } = self;
+        let Fit { problem, base, scale, settings, workspaces, ignored, .. } = &*self;
         let experiment = &problem.experiment;
         let trial = Trial::new(experiment, &problem.parameters, base, &values, scale);
-        let rows = workspaces.par_iter_mut().enumerate();
-        let predicted = rows.map(|(row, workspace)| {
-            let predict =
-                || trial.row(row, settings, workspace).map_err(|error| in_row(experiment, row, error));
-            (!ignored.contains(&row)).then(predict).transpose()
-        });
-        let predicted: Vec<Option<Predicted>> = if *evaluations == 0 {
-            // all of them, so that the first error is that of the first row
-            let all: Vec<_> = predicted.collect();
-            all.into_iter().collect::<Result<_, Error>>()?
-        } else {
-            // a trial: one row without equilibrium refuses it
-            predicted.collect::<Result<_, Error>>()?
+        let first_failed = AtomicUsize::new(usize::MAX);
+        let row = |(row, last): (usize, &Workspace)| -> Result<Solved, Error> {
+            // rows after a failed one decide nothing
+            if ignored.contains(&row) || first_failed.load(Ordering::Relaxed) < row {
+                return Ok(None);
+            }
+            let mut workspace = last.clone();
+            let predicted = trial.row(row, settings, &mut workspace);
+            predicted.map(|predicted| Some((predicted, workspace))).map_err(|error| {
+                first_failed.fetch_min(row, Ordering::Relaxed);
+                in_row(experiment, row, error)
+            })
         };
+        let rows: Vec<Result<Solved, Error>> = workspaces.par_iter().enumerate().map(row).collect();
         self.evaluations += 1;
+        let rows = rows.into_iter().collect::<Result<Vec<Solved>, Error>>()?;
+        let mut predicted = Vec::with_capacity(rows.len());
+        for (workspace, row) in self.workspaces.iter_mut().zip(rows) {
+            predicted.push(row.map(|(predicted, reached)| {
+                *workspace = reached;
+                predicted
+            }));
+        }
         let at = self.compared(&predicted, &values);
         let points = predicted.into_iter().map(|row| row.map(|row| row.points).unwrap_or_default());
         Ok(Evaluated { x: x.clone(), at, points: points.collect() })
@@ -252,4 +270,31 @@ pub(super) fn points_with(
 
 fn in_row(experiment: &Experiment, row: usize, error: Error) -> Error {
     error.within(&format!("row {} ({})", row + 1, experiment.inputs_of(&experiment.rows[row])))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::description::{CalibrationFlags, builtin};
+
+    /// The rod without a mass has a shape with an offset that is no number, the others have none.
+    #[test]
+    fn a_refused_trial_leaves_nothing_behind() {
+        let free = vec!["youngs_modulus,mass_offset".to_owned()];
+        let flags = CalibrationFlags { free, ..CalibrationFlags::default() };
+        let mut problem = builtin::calibration(&flags).expect("is valid").value;
+        problem.experiment.rows[0].inputs[0] = 0.0;
+        let new = || Fit::new(&problem, &statics::Settings::default()).expect("is valid");
+        let (mut refused, mut straight) = (new(), new());
+        let start = straight.variables(&straight.start);
+        let with = |factor: f64, offset: f64| DVector::from_vec(vec![factor * start[0], offset]);
+        for fit in [&mut refused, &mut straight] {
+            fit.evaluate(&start, 1.0).expect("solves");
+        }
+        let error = refused.evaluate(&with(0.5, f64::NAN), 1.0).expect_err("has no shape");
+        assert!(error.message().starts_with("row 2 (mass "), "{error}");
+        let [a, b] =
+            [&mut refused, &mut straight].map(|fit| fit.evaluate(&with(1.1, 0.0), 1.0).expect("solves"));
+        assert_eq!((a.residuals, a.jacobian), (b.residuals, b.jacobian));
+    }
 }

@@ -11,6 +11,7 @@ const FEWEST_ROWS: usize = 6;
 const ORDERS: usize = 9_999;
 /// Parts of them, on all cores.
 const BLOCKS: usize = 9;
+const _: () = assert!(ORDERS.is_multiple_of(BLOCKS), "every order belongs to a block");
 
 /// How rows next to each other err.
 pub(super) struct Alike {
@@ -90,17 +91,12 @@ impl Residuals {
     fn chance(&self) -> f64 {
         let found = self.likeness(&self.rows()) - ROUNDING * self.squares();
         let as_much = |block| {
-            let mut order = self.rows();
-            // the same orders at every run (Knuth's MMIX)
-            let mut state = Random::new(0, block).below(u64::MAX);
-            let mut below = |n: usize| {
-                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                ((state >> 33) as usize * n) >> 31
-            };
+            // the same orders at every run
+            let (mut order, mut random) = (self.rows(), Random::new(0, block));
             let mut as_much = 0;
             for _ in 0..ORDERS / BLOCKS {
                 for i in (1..order.len()).rev() {
-                    order.swap(i, below(i + 1));
+                    order.swap(i, random.below(i as u64 + 1) as usize);
                 }
                 as_much += usize::from(self.likeness(&order) >= found);
             }

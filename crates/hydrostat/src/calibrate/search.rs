@@ -109,9 +109,8 @@ pub(super) fn fold_errors(
     for fold in 0..problem.folds {
         let held = fold * rows / problem.folds..(fold + 1) * rows / problem.folds;
         // held rows stay where they are: drives remember them
-        let mut fit = Fit::new(problem, settings)?;
+        let mut fit = Fit::new(problem, settings)?.ignoring(held.clone());
         fit.stage = format!("fold {} of {}", fold + 1, problem.folds);
-        fit.ignored = held.clone();
         let start = fit.variables(values);
         let minimum = fit.minimize(&start, error_scale, problem.loss, watch)?;
         for (j, parameter) in problem.parameters.iter().enumerate() {

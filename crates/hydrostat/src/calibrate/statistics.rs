@@ -18,6 +18,8 @@ const SINGULAR: f64 = 1e-9;
 const DEGENERATE: f64 = 1e-3;
 /// Root of the part of a direction's information below which the other rows do not see it.
 const LEAST_PIVOT: f64 = 1e-4;
+/// Part of all residuals below which the spread of the others is rounding.
+const LEAST_SPREAD: f64 = 1e-6;
 /// Part of a singular direction that spoils a parameter.
 const INVOLVED: f64 = 1e-6;
 
@@ -36,8 +38,8 @@ pub(super) struct Statistics {
     pub(super) eigen: Vec<(f64, DVector<f64>)>,
     /// Norm of every column of the Jacobian.
     pub(super) norms: Vec<f64>,
-    /// Half an interval over its standard error.
-    pub(super) quantile: f64,
+    /// Half an interval over its standard error; None where no degree of freedom tells larger errors.
+    pub(super) quantile: Option<f64>,
     pub(super) chi_square: f64,
     pub(super) degrees_of_freedom: usize,
     pub(super) chance: Option<f64>,
@@ -46,29 +48,53 @@ pub(super) struct Statistics {
     leverage: Vec<f64>,
 }
 
-/// By how much the reading errors are too small, theory (46): 1 unless chi-square refutes them.
+/// By how much the reading errors are too small, theory (46): 1 unless chi-square refutes them. Priors have no say in it: one that
+/// contradicts the data would excuse itself.
 pub(super) fn error_scale(problem: &Problem, minimum: &Minimum, used: f64) -> f64 {
-    let stated = chi_square_with(problem, &minimum.at.residuals, used);
-    let freedom = minimum.at.residuals.len() - free(&minimum.held);
+    let (residuals, freedom) = without_priors(problem, minimum);
+    let residuals = residuals * used;
+    let stated = residuals.norm_squared();
     if freedom == 0 || chance(stated, freedom) >= SIGNIFICANCE {
         return 1.0;
     }
-    let coordinates = problem.coordinates();
     let scale = match problem.loss {
         Loss::Squares => (stated / freedom as f64).sqrt(),
         Loss::Huber => {
-            let mut sizes: Vec<f64> =
-                minimum.at.residuals.iter().take(coordinates).map(|r| (r * used).abs()).collect();
+            let count = residuals.len();
+            let mut sizes: Vec<f64> = residuals.iter().map(|r| r.abs()).collect();
             sizes.sort_by(f64::total_cmp);
-            let median = 0.5 * (sizes[(coordinates - 1) / 2] + sizes[coordinates / 2]);
-            MEDIAN_TO_DEVIATION * median * (coordinates as f64 / freedom as f64).sqrt()
+            let median = 0.5 * (sizes[(count - 1) / 2] + sizes[count / 2]);
+            MEDIAN_TO_DEVIATION * median * (count as f64 / freedom as f64).sqrt()
         }
     };
     scale.max(1.0)
 }
 
-fn free(held: &[bool]) -> usize {
-    held.iter().filter(|held| !**held).count()
+/// Residuals of what was measured where a fit without priors would end, to first order, and their degrees of freedom.
+fn without_priors(problem: &Problem, minimum: &Minimum) -> (DVector<f64>, usize) {
+    let coordinates = problem.coordinates();
+    let residuals = minimum.at.residuals.rows(0, coordinates).into_owned();
+    let free: Vec<usize> = (0..minimum.held.len()).filter(|&j| !minimum.held[j]).collect();
+    if free.is_empty() || problem.parameters.iter().all(|parameter| parameter.prior.is_none()) {
+        return (residuals, coordinates.saturating_sub(free.len()));
+    }
+    let jacobian = minimum.at.jacobian.rows(0, coordinates).select_columns(&free);
+    let norms: Vec<f64> = jacobian.column_iter().map(|column| column.norm().max(f64::MIN_POSITIVE)).collect();
+    let unit = DMatrix::from_fn(coordinates, free.len(), |k, j| jacobian[(k, j)] / norms[j]);
+    let weighted =
+        DMatrix::from_fn(coordinates, free.len(), |k, j| weight(problem.loss, residuals[k]) * unit[(k, j)]);
+    let pull = weighted.tr_mul(&residuals);
+    let found = SymmetricEigen::new(weighted.tr_mul(&unit));
+    let least = SINGULAR * found.eigenvalues.max();
+    let mut step = DVector::zeros(free.len());
+    let mut rank = 0;
+    for (value, direction) in found.eigenvalues.iter().zip(found.eigenvectors.column_iter()) {
+        if *value > least {
+            step -= direction * (direction.dot(&pull) / value);
+            rank += 1;
+        }
+    }
+    (residuals + unit * step, coordinates.saturating_sub(rank))
 }
 
 /// With the stated errors, of residuals over `used` times those.
@@ -143,7 +169,11 @@ impl Statistics {
             determined,
             eigen,
             norms,
-            quantile: if estimated { student_95(degrees_of_freedom) } else { NORMAL_95 },
+            quantile: match degrees_of_freedom {
+                0 if estimated => None,
+                freedom if estimated => Some(student_95(freedom)),
+                _ => Some(NORMAL_95),
+            },
             chi_square,
             degrees_of_freedom,
             chance: (degrees_of_freedom > 0).then(|| chance(chi_square, degrees_of_freedom)),
@@ -199,16 +229,16 @@ impl Statistics {
         let per_row = problem.coordinates() / experiment.rows.len();
         // in the basis the normal matrix of squares is one
         let jacobian = &at.jacobian * &self.basis;
-        let mut bent = jacobian.clone();
-        for (mut row, r) in bent.row_iter_mut().zip(&at.residuals) {
-            row *= bend(problem.loss, *r);
+        let mut curved = jacobian.clone();
+        for (mut row, r) in curved.row_iter_mut().zip(&at.residuals) {
+            row *= curvature_of_loss(problem.loss, *r);
         }
-        let normal = bent.tr_mul(&jacobian);
+        let normal = curved.tr_mul(&jacobian);
         let off = |number: usize| -> Option<DVector<f64>> {
             let own = jacobian.rows(number * per_row, per_row);
             let residuals = at.residuals.rows(number * per_row, per_row);
             let pull = residuals.map(|r| r * weight(problem.loss, r));
-            let others = (&normal - bent.rows(number * per_row, per_row).tr_mul(&own)).cholesky()?;
+            let others = (&normal - curved.rows(number * per_row, per_row).tr_mul(&own)).cholesky()?;
             // the row alone determines something
             if others.l_dirty().diagonal().iter().any(|pivot| *pivot < LEAST_PIVOT) {
                 return None;
@@ -246,8 +276,12 @@ impl Statistics {
         // deleted residuals: each against the spread of all others
         let off = |k: usize| {
             let own = at.residuals[k].powi(2) / (1.0 - self.leverage[k]).max(1e-9);
-            let spread = ((squares - own) / rest as f64).max(0.0).sqrt();
-            own.sqrt() / spread.max(f64::MIN_POSITIVE)
+            let spread = match problem.loss {
+                Loss::Squares => ((squares - own) / rest as f64).max(0.0).sqrt(),
+                // the errors' scale is that of the bulk already
+                Loss::Huber => 1.0,
+            };
+            own.sqrt() / spread.max(LEAST_SPREAD * squares.sqrt()).max(f64::MIN_POSITIVE)
         };
         (0..coordinates)
             .map(|k| (k, off(k)))
@@ -265,7 +299,7 @@ fn weight(loss: Loss, residual: f64) -> f64 {
 }
 
 /// Half the second derivative of the loss.
-fn bend(loss: Loss, residual: f64) -> f64 {
+fn curvature_of_loss(loss: Loss, residual: f64) -> f64 {
     match loss {
         Loss::Huber if residual.abs() > HUBER_THRESHOLD => 0.0,
         _ => 1.0,

@@ -1,34 +1,89 @@
-//! Whether a unit is wrong: with what power of ten the robot of the files explains at once what no fit should have to.
+//! Whether a unit is wrong: whether loads or readings in another unit make the robot of the files explain at once what no fit should have to.
 
 use super::fit::Fit;
-use super::{Calibration, Points, Problem, plausible};
+use super::{Calibration, Parameter, Points, Problem, plausible};
 use crate::Error;
 use crate::statics::Settings;
 use crate::verify::{Experiment, Varied};
 
 /// Part of the length from which a mean error makes a fit doubtful, and below which one is explained.
-const EXPLAINED: f64 = 0.05;
+pub(super) const EXPLAINED: f64 = 0.05;
 /// Part of the error as it stands that a wrong unit must explain; times the fitted error that it may leave.
 const BETTER: f64 = 0.2;
 const AS_GOOD: f64 = 2.0;
+
+type Factor = (f64, &'static str);
 /// A load of another unit than said. A factor of ten would be one of stiffness as well.
-const OF_LOADS: [f64; 2] = [1e3, 1e-3];
+const OF_LOADS: [Factor; 2] = [(1e3, "multiplied by 1000"), (1e-3, "divided by 1000")];
 /// A place of another unit than said: m, cm, mm, um and inches.
-const OF_READINGS: [f64; 8] = [1e3, 1e-3, 1e2, 1e-2, 10.0, 0.1, 25.4, 1.0 / 25.4];
+const OF_READINGS: [Factor; 8] = [
+    (1e3, "multiplied by 1000"),
+    (1e-3, "divided by 1000"),
+    (1e2, "multiplied by 100"),
+    (1e-2, "divided by 100"),
+    (10.0, "multiplied by 10"),
+    (0.1, "divided by 10"),
+    (25.4, "multiplied by 25.4"),
+    (1.0 / 25.4, "divided by 25.4"),
+];
 /// Rows that are asked.
 const ROWS: usize = 20;
 /// Loads, in bending stiffness over squares of the length, that are large already: nobody means a thousand times as much.
 const LARGE: f64 = 20.0;
 
-/// An error where a fit is doubtful or has failed, and a wrong unit explains what was measured without any.
-pub(super) fn mistaken(problem: &Problem, settings: &Settings, found: Option<&Calibration>) -> Option<Error> {
-    let doubtful = |found: &Calibration| {
-        found.after.mean_fraction > EXPLAINED
-            || found.parameters.iter().any(|estimate| plausible::unphysical(problem, estimate).is_some())
-    };
-    if !found.is_none_or(doubtful) {
-        return None;
+/// Another unit for a part of the table.
+struct Trial {
+    /// Such as `the column mass [g] divided by 1000`.
+    what: String,
+    /// Mean error of the robot of the files over the length; without end where there is no shape.
+    left: f64,
+}
+
+/// An error where a fit is doubtful or has failed, and another unit explains what was measured without any. Where the user has bounded what
+/// is doubtful, or given it a prior, a warning of the fit instead.
+pub(super) fn judge(
+    problem: &Problem,
+    settings: &Settings,
+    found: &mut Result<Calibration, Error>,
+) -> Result<(), Error> {
+    if found.as_ref().is_ok_and(|found| !is_doubtful(problem, found)) {
+        return Ok(());
     }
+    let Some(sentence) = explanation(problem, settings, found.as_ref().ok()) else { return Ok(()) };
+    let check = "check the unit in the header of the table, or under [[vary]] and [[measure]], and the values of the robot file";
+    match found {
+        Err(error) => Err(error.clone().or_hint(&format!("probably {sentence}: {check}"))),
+        Ok(found) if is_meant(problem, found) => {
+            found.warnings.insert(0, format!("Probably {sentence}."));
+            Ok(())
+        }
+        Ok(found) => {
+            let names: Vec<&str> =
+                found.parameters.iter().map(|estimate| estimate.parameter.name.as_str()).collect();
+            Err(Error::new(format!("probably {sentence}")).hint(format!(
+                "{check}; if all of them are meant, say so by bounds or a prior (--bounds, --prior) of {}",
+                names.join(", ")
+            )))
+        }
+    }
+}
+
+fn is_doubtful(problem: &Problem, found: &Calibration) -> bool {
+    found.after.mean_fraction > EXPLAINED
+        || found.parameters.iter().any(|estimate| plausible::unphysical(problem, estimate).is_some())
+}
+
+/// Whether the user has said of all that is doubtful between which values, or about where, it lies.
+fn is_meant(problem: &Problem, found: &Calibration) -> bool {
+    let said = |parameter: &Parameter| parameter.bounded || parameter.prior.is_some();
+    let errs = found.after.mean_fraction > EXPLAINED;
+    let mut doubtful =
+        found.parameters.iter().filter(|estimate| errs || plausible::unphysical(problem, estimate).is_some());
+    doubtful.all(|estimate| said(&estimate.parameter))
+}
+
+/// As the rest of `probably ...`, where another unit explains the table.
+fn explanation(problem: &Problem, settings: &Settings, found: Option<&Calibration>) -> Option<String> {
     let few = few_rows(problem);
     let points = predicted(&few, settings);
     let as_stated = error(&few.experiment, points.as_ref(), 1.0);
@@ -36,64 +91,52 @@ pub(super) fn mistaken(problem: &Problem, settings: &Settings, found: Option<&Ca
     if as_stated < EXPLAINED {
         return None;
     }
+    let mut tried = with_other_loads(&few, settings);
+    tried.extend(OF_READINGS.map(|(factor, word)| Trial {
+        what: format!("the measured coordinates {word}"),
+        left: error(&few.experiment, points.as_ref(), factor),
+    }));
+    let best = tried.into_iter().min_by(|a, b| a.left.total_cmp(&b.left))?;
+    let explains = best.left < EXPLAINED
+        && best.left < BETTER * as_stated
+        && found.is_none_or(|found| best.left < AS_GOOD * found.after.mean_fraction);
+    explains.then(|| sentence(problem, as_stated, &best, found))
+}
+
+/// Columns of one kind are of one unit.
+fn with_other_loads(few: &Problem, settings: &Settings) -> Vec<Trial> {
     let kinds = [
         |of: &Varied| matches!(of, Varied::HungMass { .. }),
         |of: &Varied| matches!(of, Varied::Force { .. } | Varied::Tension { .. }),
         |of: &Varied| matches!(of, Varied::Displacement { .. }),
     ];
-    let mut tried: Vec<(f64, String, f64)> = Vec::new();
+    let mut tried = Vec::new();
     for kind in kinds {
         let inputs: Vec<usize> =
             (0..few.experiment.inputs.len()).filter(|&i| kind(&few.experiment.inputs[i].quantity)).collect();
-        for factor in OF_LOADS.into_iter().filter(|_| !inputs.is_empty()) {
-            tried.push((loaded(&few, &inputs, factor, settings), columns(&few.experiment, &inputs), factor));
+        for (factor, word) in OF_LOADS.into_iter().filter(|_| !inputs.is_empty()) {
+            let what = format!("{} {word}", columns(&few.experiment, &inputs));
+            tried.push(Trial { what, left: loaded(few, &inputs, factor, settings) });
         }
     }
-    for factor in OF_READINGS {
-        let left = error(&few.experiment, points.as_ref(), factor);
-        tried.push((left, "the measured coordinates".to_owned(), factor));
-    }
-    let (left, what, factor) = tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
-    let explains = left < EXPLAINED
-        && left < BETTER * as_stated
-        && found.is_none_or(|found| left < AS_GOOD * found.after.mean_fraction);
-    explains.then(|| refusal(problem, as_stated, left, &what, factor, found))
+    tried
 }
 
-fn refusal(
-    problem: &Problem,
-    as_stated: f64,
-    left: f64,
-    what: &str,
-    factor: f64,
-    found: Option<&Calibration>,
-) -> Error {
+fn sentence(problem: &Problem, as_stated: f64, best: &Trial, found: Option<&Calibration>) -> String {
     let mm = |part: f64| format!("{:.1} mm", 1e3 * part * problem.experiment.robot.length());
     let before =
         if as_stated.is_finite() { format!("{} as it stands", mm(as_stated)) } else { "no shape".to_owned() };
-    let after = found.map(|found| {
-        let values: Vec<String> = found
-            .parameters
-            .iter()
-            .map(|estimate| {
-                format!("{} = {}", estimate.parameter.name, estimate.parameter.show(estimate.value, None))
-            })
-            .collect();
-        format!("; to fit it takes {} and leaves {}", values.join(", "), mm(found.after.mean_fraction))
+    let after = found.map_or_else(String::new, |found| {
+        let values = found.parameters.iter().map(|estimate| {
+            format!("{} = {}", estimate.parameter.name, estimate.parameter.show(estimate.value, None))
+        });
+        let values = values.collect::<Vec<String>>().join(", ");
+        format!("; to fit it takes {values} and leaves {}", mm(found.after.mean_fraction))
     });
-    let factor = if factor > 1.0 {
-        format!("multiplied by {factor}")
-    } else {
-        format!("divided by {}", (1.0 / factor * 10.0).round() / 10.0)
-    };
-    Error::new(format!(
-        "a unit is wrong: with {what} {factor} the robot of the files errs by {} on average, against {before}{}",
-        mm(left),
-        after.unwrap_or_default()
-    ))
-    .hint(
-        "check the unit in the header of the table, or under [[vary]] and [[measure]]; if it is right, a value of the robot file is as \
-         wrong: correct that",
+    format!(
+        "a unit is wrong: with {} the robot of the files errs by {} on average, against {before}{after}",
+        best.what,
+        mm(best.left)
     )
 }
 

@@ -4,7 +4,7 @@ use super::neighbours::Alike;
 use super::statistics::{SIGNIFICANCE, Statistics};
 use super::{Calibration, Estimate, Loss, Problem, outliers, plausible};
 use crate::numeric::least_squares::Evaluation;
-use crate::verify::Systematic;
+use crate::verify::{Row, Systematic};
 use nalgebra::DVector;
 
 /// Goodness of fit, systematic residuals, prediction, what the data can tell.
@@ -16,7 +16,8 @@ pub(super) fn verdict(
     scale: &[f64],
 ) -> Vec<String> {
     let mut verdict = vec![goodness(problem, calibration)];
-    verdict.extend(unexplained(problem, calibration));
+    let stand_out = !statistics.outliers(problem, at).is_empty();
+    verdict.extend(unexplained(problem, calibration, stand_out));
     verdict.push(match &calibration.left_out {
         Some(errors) => format!(
             "A row that the fit has not seen is predicted, to first order, within {:.2} mm on average ({:.2} mm at most), against \
@@ -105,7 +106,11 @@ fn goodness(problem: &Problem, calibration: &Calibration) -> String {
         );
     }
     let loss = if problem.loss == Loss::Huber { "the bulk of the residuals" } else { "the residuals" };
-    if *error_scale > 1.0 {
+    if *error_scale == 1.0 && problem.loss == Loss::Squares {
+        format!(
+            "The reading error explains what the data leave, but not with the priors as well ({test}): these contradict the data."
+        )
+    } else if *error_scale > 1.0 {
         format!(
             "The reading error does not explain the residuals ({test}): the intervals rest on {loss}, {error_scale:.1} times as \
              large, with Student's t, as if those were of chance."
@@ -121,14 +126,25 @@ fn percent(chance: f64) -> String {
     if chance < 1e-4 { "below 0.01 %".to_owned() } else { format!("{:.2} %", 100.0 * chance) }
 }
 
-fn unexplained(problem: &Problem, calibration: &Calibration) -> Option<String> {
-    if calibration.chance.is_none_or(|chance| chance >= SIGNIFICANCE) {
+fn unexplained(problem: &Problem, calibration: &Calibration, stand_out: bool) -> Option<String> {
+    let of_priors = calibration.error_scale == 1.0 && problem.loss == Loss::Squares;
+    if of_priors || calibration.chance.is_none_or(|chance| chance >= SIGNIFICANCE) {
         return None;
     }
     let names: Vec<&str> = problem.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
     let smallest =
         problem.experiment.points.iter().map(|point| point.reading_error).fold(f64::INFINITY, f64::min);
+    let on_bound = |estimate: &&Estimate| estimate.parameter.bounds.contains(&estimate.value);
+    let on_bound = calibration.parameters.iter().filter(on_bound);
+    let on_bound: Vec<&str> = on_bound.map(|estimate| estimate.parameter.name.as_str()).collect();
     let why = match calibration.systematic {
+        _ if !on_bound.is_empty() => {
+            format!("the bounds of {} keep the fit from a better one", and(&on_bound))
+        }
+        Some(false) | None if stand_out => {
+            "single readings stand out, which the warnings name, and the others may be as exact as stated"
+                .to_owned()
+        }
         Some(true) => format!(
             "since the residuals are systematic, no value of {} removes that: the model or the bench has something else in it",
             and(&names)
@@ -272,6 +288,7 @@ pub(super) fn warnings(
     }
     warnings.extend(outliers::sentences(problem, &statistics.outliers(problem, at)));
     warnings.extend(repeated_rows(problem));
+    warnings.extend(same_inputs(problem));
     warnings.extend(constant_columns(problem, calibration));
     warnings
 }
@@ -307,6 +324,25 @@ fn repeated_rows(problem: &Problem) -> Vec<String> {
 
 /// Reading errors by which a prediction moves while its reading stays.
 const MOVES: f64 = 5.0;
+
+/// Rows that differ in what was read alone.
+fn same_inputs(problem: &Problem) -> Option<String> {
+    let experiment = &problem.experiment;
+    let (first, others) = experiment.rows.split_first()?;
+    let differs = |row: &Row| {
+        let points = experiment.points.iter().zip(row.observed.iter().zip(&first.observed));
+        let mut off =
+            points.flat_map(|(point, (a, b))| point.axes.iter().map(move |&i| (a[i] - b[i], point)));
+        off.any(|(off, point)| off.abs() > MOVES * point.reading_error)
+    };
+    let same = others.iter().all(|row| row.inputs == first.inputs);
+    (same && others.iter().any(differs)).then(|| {
+        format!(
+            "All rows have the same inputs ({}), and other readings: is that column what was set?",
+            experiment.inputs_of(first)
+        )
+    })
+}
 
 fn constant_columns(problem: &Problem, calibration: &Calibration) -> Vec<String> {
     let mut sentences = Vec::new();

@@ -122,7 +122,7 @@ pub(super) fn problem(
             })?;
             find(&mut wanted.parameters, name.trim())
                 .and_then(|parameter| set(parameter, value))
-                .map_err(|error| error.within(flag))?;
+                .map_err(|error| error.within(&format!("{flag} {}", quoted(text))))?;
         }
     }
     let loss = flags.loss.unwrap_or(wanted.loss);
@@ -170,6 +170,10 @@ fn set_prior(parameter: &mut Parameter, text: &str) -> Result<(), Error> {
         return Err(Error::new(format!("found {}, expected a standard error above 0", quoted(text)))
             .hint("a parameter that is known exactly is not free"));
     }
+    if !parameter.bounded {
+        // what is known beforehand is no longer what any solid may have
+        parameter.bounds = [parameter.parts[0].lowest_possible(), f64::INFINITY];
+    }
     parameter.prior = Some(Prior { value, standard_error });
     Ok(())
 }
@@ -183,7 +187,7 @@ fn set_bounds(parameter: &mut Parameter, text: &str) -> Result<(), Error> {
     if low >= high {
         return Err(Error::new(format!("found {}, expected the lower bound first", quoted(text))));
     }
-    let [lowest, _] = parameter.bounds;
+    let lowest = parameter.parts[0].lowest_possible();
     if high <= lowest {
         return Err(Error::new(format!("found {}, expected values above 0", quoted(text))));
     }

@@ -56,7 +56,8 @@ pub fn parse_plan(
             ))
             .hint("such as --limit \"mass=0 g to 100 g\" or --limit \"mount_angle=0 deg, 30 deg, 60 deg\"")
         })?;
-        let limit = limit(&experiment, name.trim(), range).map_err(|error| error.within("--limit"))?;
+        let limit = limit(&experiment, name.trim(), range)
+            .map_err(|error| error.within(&format!("--limit {}", quoted(flag))))?;
         put(&mut limits, limit);
     }
     let measurements = flags.measurements.or(asked.plan.measurements).unwrap_or(MEASUREMENTS);
@@ -71,8 +72,9 @@ pub(super) fn read(experiment: &Experiment, table: &Table) -> Result<Wanted, Err
     let mut limits = Vec::new();
     if let Some(node) = table.get("limit") {
         for entry in node.entries("a table, such as { mass = \"0 g to 100 g\" }")? {
-            let limit = limit(experiment, &entry.name, &listed(&entry.node)?);
-            put(&mut limits, limit.map_err(|error| error.at(entry.node.place()))?);
+            let limit = input(experiment, &entry.name)
+                .and_then(|input| checked(experiment, input, |kind| chosen(&entry.node, kind)));
+            put(&mut limits, limit.map_err(|error| error.or_at(|| entry.node.place()))?);
         }
     }
     let whole = |key: &str, expected: &str| {
@@ -86,13 +88,25 @@ pub(super) fn read(experiment: &Experiment, table: &Table) -> Result<Wanted, Err
     Ok(Wanted { limits, measurements, repeats })
 }
 
-/// A text, or a list of texts as one.
-fn listed(node: &Node) -> Result<String, Error> {
+/// A range as a text, or a list of values.
+fn chosen(node: &Node, kind: &Kind) -> Result<Choice, Error> {
     let Value::List(items) = &node.value else {
-        return node.text("two values, such as \"0 g to 100 g\", or a list of them").map(str::to_owned);
+        return choice(
+            node.text("two values, such as \"0 g to 60 g\", or a list such as [\"0 g\", \"20 g\"]")?,
+            kind,
+        );
     };
-    let texts = items.iter().map(|item| item.text("a value, such as \"20 g\""));
-    Ok(texts.collect::<Result<Vec<&str>, Error>>()?.join(", "))
+    if items.is_empty() {
+        return Err(node.refuse("one value at least"));
+    }
+    let value = |item: &Node| {
+        let text = item.text("a value, such as \"20 g\"")?;
+        if text.contains(" to ") {
+            return Err(item.refuse("a value, such as \"20 g\": a range stands without brackets"));
+        }
+        quantity::scalar(text, kind).map_err(|error| error.at(item.place()))
+    };
+    Ok(values(items.iter().map(value).collect::<Result<_, Error>>()?))
 }
 
 /// Later limits of an input replace earlier ones.
@@ -110,17 +124,22 @@ fn of_data(experiment: &Experiment, i: usize, input: &Input) -> Limit {
 }
 
 fn limit(experiment: &Experiment, name: &str, text: &str) -> Result<Limit, Error> {
-    let input = input(experiment, name)?;
+    checked(experiment, input(experiment, name)?, |kind| choice(text, kind))
+}
+
+/// What an input may be set to, unless that is impossible.
+fn checked(
+    experiment: &Experiment,
+    input: Input,
+    choose: impl Fn(&Kind) -> Result<Choice, Error>,
+) -> Result<Limit, Error> {
     let kind = kind(input.quantity);
-    let choice = choice(text, &kind)?;
+    let choice = choose(&kind)?;
     let [low, high] = choice.range();
     let lowest_is_zero = matches!(input.quantity, Varied::HungMass { .. } | Varied::Tension { .. });
     if lowest_is_zero && low < 0.0 {
-        return Err(Error::new(format!(
-            "found {}, expected {} of at least 0",
-            quoted(text.trim()),
-            kind.name
-        )));
+        let (unit, size) = &input.unit;
+        return Err(Error::new(format!("found {} {unit}, expected {} of at least 0", low / size, kind.name)));
     }
     if let Varied::Displacement { tendon, .. } = input.quantity {
         let of = &experiment.robot.tendons[tendon];
@@ -140,17 +159,21 @@ fn choice(text: &str, kind: &Kind) -> Result<Choice, Error> {
                 kind.example
             )));
         }
-        let values = text.split(',').map(|value| quantity::scalar(value, kind));
-        let mut values = values.collect::<Result<Vec<f64>, Error>>()?;
-        values.sort_by(f64::total_cmp);
-        values.dedup();
-        return Ok(Choice::Values(values));
+        let listed = text.split(',').map(|value| quantity::scalar(value, kind));
+        return Ok(values(listed.collect::<Result<_, Error>>()?));
     };
     let range = [quantity::scalar(low, kind)?, quantity::scalar(high, kind)?];
     if range[0] > range[1] {
         return Err(Error::new(format!("found {}, expected the lower value first", quoted(text.trim()))));
     }
     Ok(Choice::Range(range))
+}
+
+/// Each once, in order.
+fn values(mut values: Vec<f64>) -> Choice {
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    Choice::Values(values)
 }
 
 /// A varied column, or what the bench could vary as well.

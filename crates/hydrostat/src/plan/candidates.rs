@@ -19,9 +19,11 @@ pub(super) struct Candidate {
 const GRID: usize = 400;
 /// Values of an input between limits on a grid: fewer see no curvature, more are hard to tell apart on a bench.
 const LEVELS: [usize; 2] = [3, 21];
+/// Draws; equal ones are one candidate.
 const RANDOM: usize = 400;
 
-/// All combinations of the values of a list and of evenly spaced ones between limits, or random ones that often lie on the limits.
+/// All combinations of the values of a list and of evenly spaced ones between limits, or random ones that often lie on the limits; no two
+/// alike.
 fn inputs(request: &Request) -> Vec<Vec<f64>> {
     let choices: Vec<&Choice> = request.limits.iter().map(|limit| &limit.choice).collect();
     let size = |levels: usize| {
@@ -30,9 +32,14 @@ fn inputs(request: &Request) -> Vec<Vec<f64>> {
     };
     let Some(levels) = (LEVELS[0]..=LEVELS[1]).rev().find(|levels| size(*levels) <= GRID) else {
         let mut random = Random::new(request.seed, 0);
-        return (0..RANDOM)
-            .map(|_| choices.iter().map(|choice| choice.draw(&mut random)).collect())
-            .collect();
+        let mut drawn: Vec<Vec<f64>> = Vec::new();
+        for _ in 0..RANDOM {
+            let row: Vec<f64> = choices.iter().map(|choice| choice.draw(&mut random)).collect();
+            if !drawn.contains(&row) {
+                drawn.push(row);
+            }
+        }
+        return drawn;
     };
     let mut all: Vec<Vec<f64>> = vec![Vec::new()];
     for choice in choices {

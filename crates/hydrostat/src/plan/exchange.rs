@@ -47,6 +47,8 @@ impl Information {
     /// The best that exchange finds from a greedy start and from random ones (Fedorov 1972); the row that tells most alone first. Fewer than
     /// `count` where no more may be repeated.
     pub(super) fn choose(&self, criterion: Criterion, count: usize, repeats: usize) -> Vec<usize> {
+        // more than `count` of one row are never chosen
+        let repeats = repeats.min(count);
         let all = self.candidates.len() * repeats;
         let count = count.min(all);
         let mut greedy: Vec<usize> = Vec::new();
@@ -171,5 +173,7 @@ mod tests {
             }
         }
         assert_eq!(information.choose(Criterion::Trace, 70, 2).len(), 60);
+        let all = |repeats| information.choose(Criterion::Determinant, 3, repeats);
+        assert_eq!(all(usize::MAX), all(3));
     }
 }

@@ -58,9 +58,23 @@ pub(super) fn verdict(
             format!("After the A-optimal rows instead of the D-optimal ones, {}.", named.join(", "))
         }
     });
+    sentences.extend(without_intervals(plan));
     sentences.extend(curved(request, plan, settings)?);
     sentences.push(assumptions(request, errors));
     Ok(sentences)
+}
+
+fn without_intervals(plan: &Plan) -> Option<String> {
+    let times = ["now", "after the D-optimal rows", "after the A-optimal rows"];
+    let missing = times.into_iter().zip(plan.quantiles).filter(|(_, quantile)| quantile.is_none());
+    let missing: Vec<&str> = missing.map(|(time, _)| time).collect();
+    (!missing.is_empty()).then(|| {
+        format!(
+            "No 95 % interval is known {}: errors are larger than stated, and as many parameters as coordinates leave nothing to tell by how \
+             much.",
+            missing.join(" and ")
+        )
+    })
 }
 
 /// Part of a first-order change by which the true one may differ.
