@@ -264,8 +264,13 @@ fn text(done: &[(Problem, Calibration)], written: Option<&Path>) -> String {
 }
 
 fn parameters(calibration: &Calibration) -> Vec<Vec<String>> {
-    let header = ["parameter", "before", "value", "standard error", "95 % interval"];
-    let mut table = vec![header.map(str::to_owned).to_vec()];
+    let interval = match calibration.too_narrow {
+        Some(wider) => format!("95 % interval (should be {wider:.1} x as wide, see warnings)"),
+        None => "95 % interval".to_owned(),
+    };
+    let mut header = ["parameter", "before", "value", "standard error"].map(str::to_owned).to_vec();
+    header.push(interval);
+    let mut table = vec![header];
     for estimate in &calibration.parameters {
         let error = estimate.standard_error;
         let show = |value: f64| estimate.parameter.show(value, error);

@@ -203,7 +203,8 @@ impl Canvas {
     pub(crate) fn dots(&mut self, points: &[P], pen: Pen) {
         let mut d = String::new();
         for p in points.iter().filter(|p| finite(p)) {
-            let _ = write!(d, "M{:.1} {:.1}Z", p[0], p[1]);
+            // a line without length is empty to some readers of PDF
+            let _ = write!(d, "M{:.1} {:.1}h.01", p[0], p[1]);
             self.cover(*p, pen.width / 2.0);
         }
         if !d.is_empty() {

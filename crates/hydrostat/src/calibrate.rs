@@ -86,6 +86,8 @@ pub struct Calibration {
     pub chance: Option<f64>,
     /// How many times as large as stated the errors are taken to be; 1 unless chi-square refutes the stated ones.
     pub error_scale: f64,
+    /// How many times as wide the intervals should be, as rows next to each other err alike; None where they do not.
+    pub too_narrow: Option<f64>,
     /// What the reading error does not explain, per coordinate, m.
     pub unexplained: f64,
     /// Whether the residuals follow an input; None where that cannot be tested.
@@ -313,6 +315,7 @@ fn result(
         degrees_of_freedom: statistics.degrees_of_freedom,
         chance: statistics.chance,
         error_scale,
+        too_narrow: None,
         unexplained: statistics.unexplained,
         systematic: None,
         left_out: None,
@@ -384,7 +387,9 @@ fn put_in_words(
     calibration.systematic = tests.reduce(|a, b| a || b);
 
     calibration.verdict = verdict::verdict(problem, calibration, statistics, at, &fit.scale);
-    let narrow = alike.as_ref().and_then(|alike| verdict::narrow(alike, experiment.rows.len()));
+    let rows = experiment.rows.len();
+    calibration.too_narrow = alike.as_ref().and_then(|alike| verdict::widening(alike, rows));
+    let narrow = alike.as_ref().and_then(|alike| verdict::narrow(alike, rows));
     calibration.verdict.splice(1..1, verdict::follows(runs.into_iter().next(), alike));
     calibration.warnings = verdict::warnings(problem, calibration, statistics, at, &minimum.held);
     calibration.warnings.extend(narrow.into_iter().chain(not_known));

@@ -74,11 +74,17 @@ pub(super) fn follows(runs: Option<Systematic>, alike: Option<Alike>) -> Option<
 const MANY_ROWS: usize = 30;
 const CORRELATED: f64 = 0.3;
 
-/// Intervals take rows to be independent; where neighbours err alike they are not, theory (54).
+/// How many times as wide intervals should be that take rows to be independent where neighbours err alike, theory (54).
+pub(super) fn widening(alike: &Alike, rows: usize) -> Option<f64> {
+    let correlation = alike.correlation;
+    let counts = rows >= MANY_ROWS && correlation > CORRELATED && alike.chance < SIGNIFICANCE;
+    counts.then(|| ((1.0 + correlation) / (1.0 - correlation)).sqrt())
+}
+
+/// The same in words.
 pub(super) fn narrow(alike: &Alike, rows: usize) -> Option<String> {
     let correlation = alike.correlation;
-    (rows >= MANY_ROWS && correlation > CORRELATED && alike.chance < SIGNIFICANCE).then(|| {
-        let wider = ((1.0 + correlation) / (1.0 - correlation)).sqrt();
+    widening(alike, rows).map(|wider| {
         format!(
             "Rows next to each other err alike (correlation {correlation:.2}), so that {rows} rows tell as much as about {:.0} that do not: \
              the intervals should be about {wider:.1} times as wide, and errors of folds or of held-out rows say more than those of single rows.",

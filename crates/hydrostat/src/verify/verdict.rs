@@ -165,7 +165,8 @@ fn systematic_with(
     let chance = at_most_runs(runs, plus, farther.len() - plus);
     let column = &experiment.inputs[input].column;
     let of = if experiment.points.len() > 1 { "last point" } else { "point" };
-    let counted = format!("{runs} runs of sign over {} rows", farther.len());
+    let of_sign = if runs == 1 { "run" } else { "runs" };
+    let counted = format!("{runs} {of_sign} of sign over {} rows", farther.len());
     let short = format!("{counted}, chance {chance:.2}");
     if chance >= 0.05 {
         let sentence = format!(
