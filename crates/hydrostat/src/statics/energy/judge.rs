@@ -83,7 +83,7 @@ impl Search<'_> {
         let tensions = self.robot.tendons.iter().zip(&self.robot.actuation).filter_map(given);
         let hint = match tensions.max_by(|a, b| a.1.total_cmp(&b.1)) {
             Some((name, tension)) => format!(
-                "check the units of loads, commands and stiffness: the largest tension is {tension:.4} N, of tendon \"{name}\""
+                "check the units of loads, commands and stiffness: the largest tension is {tension} N, of tendon \"{name}\""
             ),
             None => "check the units of loads and stiffness".to_owned(),
         };
