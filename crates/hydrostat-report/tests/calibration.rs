@@ -100,8 +100,10 @@ fn residuals_are_drawn_to_one_scale() {
     let y = drawings.iter().find(|svg| svg.contains("y: predicted")).unwrap();
     let document = roxmltree::Document::parse(y).unwrap();
     let paths = document.descendants().filter_map(|n| n.attribute("d"));
-    let heights: Vec<f64> =
-        paths.filter(|d| d.ends_with('Z')).flat_map(|d| numbers(d).into_iter().skip(1).step_by(2)).collect();
+    let heights: Vec<f64> = paths
+        .filter(|d| d.ends_with("h.01"))
+        .flat_map(|d| numbers(d).into_iter().skip(1).step_by(3))
+        .collect();
     assert_eq!(heights.len(), 22);
     let scale = (heights[10] - heights[0]) / (residuals[10] - residuals[0]);
     assert!(scale < -5.0, "px per mm, upward: {scale}");
