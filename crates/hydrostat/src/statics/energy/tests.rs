@@ -195,6 +195,19 @@ fn the_tangent_of_followers_and_dead_moments_is_that_of_the_gradient() {
     }
 }
 
+/// The bound of convexity at the robot's equilibrium, which is below the smallest eigenvalue there.
+fn bound_below_the_eigenvalue(robot: &Robot, loaded_by: f64) -> f64 {
+    let mut workspace = Workspace::default();
+    let found = solve_in(robot, &Settings::default(), &mut workspace).expect("has an answer");
+    let eigenvalue = found.report.smallest_eigenvalue.expect("asked for");
+    let Workspace { chain, energy: Energy { tables, coarse, memory, .. }, .. } = &workspace;
+    let tensions = &memory.drive.tensions;
+    let problem = Problem { chain, tables, factor: 1.0, gravity: robot.gravity, tensions };
+    let bound = memory.sweep.curvature_bound(&problem, coarse).expect("has an energy");
+    assert!(bound <= eigenvalue, "{loaded_by}: {bound} {eigenvalue}");
+    bound
+}
+
 /// Tensions in chords, up to nearly what folds the robot between its guides.
 const TENSIONS: [f64; 4] = [0.25, 1.0, 2.0, 4.0];
 
@@ -205,15 +218,7 @@ fn the_bound_with_chords_alone_is_below_the_smallest_eigenvalue() {
         robot.gravity = Vector3::zeros();
         robot.loads.clear();
         robot.actuation.fill(Command::Tension { tension, motion: Motion::Pulled });
-        let mut workspace = Workspace::default();
-        let found = solve_in(&robot, &Settings::default(), &mut workspace).expect("has an answer");
-        let eigenvalue = found.report.smallest_eigenvalue.expect("asked for");
-        let Workspace { chain, energy: Energy { tables, coarse, memory, .. }, .. } = &workspace;
-        let tensions = &memory.drive.tensions;
-        let problem = Problem { chain, tables, factor: 1.0, gravity: robot.gravity, tensions };
-        let bound = memory.sweep.curvature_bound(&problem, coarse).expect("has an energy");
-        assert!(bound <= eigenvalue, "{tension}: {bound} {eigenvalue}");
-        bound
+        bound_below_the_eigenvalue(&robot, tension)
     });
     assert!(bounds[0] > 0.4 && bounds[TENSIONS.len() - 1] < 0.1, "{bounds:?}");
 }
@@ -266,15 +271,7 @@ fn the_bound_of_convexity_is_below_the_smallest_eigenvalue() {
             let kind =
                 LoadKind::Point { at: robot.length(), force, moment: Vector3::zeros(), frame: Frame::World };
             robot.loads = vec![Load { name: None, kind }];
-            let mut workspace = Workspace::default();
-            let found = solve_in(&robot, &Settings::default(), &mut workspace).expect("has an answer");
-            let eigenvalue = found.report.smallest_eigenvalue.expect("asked for");
-            let Workspace { chain, energy: Energy { tables, coarse, memory, .. }, .. } = &workspace;
-            let tensions = &memory.drive.tensions;
-            let problem = Problem { chain, tables, factor: 1.0, gravity: robot.gravity, tensions };
-            let bound = memory.sweep.curvature_bound(&problem, coarse).expect("has an energy");
-            assert!(bound <= eigenvalue, "{push}: {bound} {eigenvalue}");
-            bound
+            bound_below_the_eigenvalue(&robot, push)
         });
         assert!(bounds[0] > 0.4 && bounds[PUSHES.len() - 1] < 0.0, "{bounds:?}");
     }
