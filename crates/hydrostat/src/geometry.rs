@@ -137,6 +137,7 @@ impl RotationVector {
     }
 
     /// E(w).
+    #[inline]
     pub fn rotation(&self) -> Matrix3<f64> {
         let (w, c, s) = (&self.w, self.alpha[0], self.sinc);
         let d = 1.0 - c * w.norm_squared();
@@ -156,6 +157,7 @@ impl RotationVector {
     }
 
     /// J(w): the body-frame rate of rotation over the rate of `w`.
+    #[inline]
     pub fn jacobian(&self) -> Matrix3<f64> {
         let (w, a, b) = (&self.w, self.alpha[0], self.beta[0]);
         let d = 1.0 - b * w.norm_squared();
@@ -185,6 +187,7 @@ impl RotationVector {
     }
 
     /// d/dw of `a + sign alpha w x a + beta w x (w x a)`.
+    #[inline]
     fn differential(&self, sign: f64, a: &Vector3<f64>) -> Matrix3<f64> {
         let (w, [alpha, alpha1, _], [beta, beta1, _]) = (&self.w, self.alpha, self.beta);
         let across = w.cross(a);
@@ -205,6 +208,7 @@ impl RotationVector {
     }
 
     /// Second derivative of `c . J(w) a` with respect to `w`, symmetric.
+    #[inline]
     pub fn second_differential(&self, c: &Vector3<f64>, a: &Vector3<f64>) -> Matrix3<f64> {
         let (w, x) = (&self.w, self.w.norm_squared());
         let ([_, alpha1, alpha2], [beta, beta1, beta2]) = (self.alpha, self.beta);

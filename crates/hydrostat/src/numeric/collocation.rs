@@ -18,6 +18,8 @@ pub struct Collocation {
     pub top: Vec<f64>,
     /// Of the next lower degree.
     pub below_top: Vec<f64>,
+    /// Coefficient of the Legendre polynomial of degree points - 1 per value at the j-th.
+    pub top_of_rate: Vec<f64>,
     /// What the integral of the next higher Legendre polynomial, which is zero at the points, is to count for there: its values times
     /// (points + 1) / (2 points + 1), with which the weights are exact for its product with a polynomial of degree points - 1.
     pub bow: Vec<f64>,
@@ -66,11 +68,14 @@ impl Collocation {
             })
             .collect();
         let before = |t: &f64| legendre_polynomial(count - 1, 2.0 * t - 1.0).0;
+        let top_of_rate =
+            points.iter().zip(&weights).map(|(t, weight)| (2 * count - 1) as f64 * weight * before(t)).collect();
         let bow = points.iter().map(|t| -before(t) / (2 * (2 * count + 1)) as f64).collect();
         let mut table = Collocation {
             points,
             weights,
             below_top,
+            top_of_rate,
             bow,
             derivative: Vec::with_capacity(count * count),
             end: Vec::new(),
@@ -104,6 +109,22 @@ impl Collocation {
             sums.iter_mut().zip(inner).for_each(|(sum, inner)| *sum += end * weight * inner);
         }
         sums
+    }
+
+    /// Lagrange's polynomials through the points alone at `t`, as [`Row::inner`].
+    pub fn inner(&self, t: f64) -> [f64; MOST] {
+        let mut inner = [0.0; MOST];
+        let mut product = 1.0;
+        for ((part, point), scale) in inner.iter_mut().zip(&self.points).zip(&self.scales) {
+            *part = scale * product;
+            product *= t - point;
+        }
+        product = 1.0;
+        for (part, point) in inner.iter_mut().zip(&self.points).rev() {
+            *part *= product;
+            product *= t - point;
+        }
+        inner
     }
 
     /// Lagrange's polynomials at `t`.

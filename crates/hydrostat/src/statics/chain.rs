@@ -1,7 +1,7 @@
 //! The backbone cut at its breakpoints, with everything along it that does not depend on the shape.
 
 use super::section::Pull;
-use crate::model::{Command, Frame, LoadKind, Robot, Routing, Tendon};
+use crate::model::{Command, Frame, Guides, LoadKind, Robot, Routing, Tendon};
 use crate::numeric::dop853::{C, STAGES};
 use nalgebra::Vector3;
 
@@ -18,8 +18,10 @@ pub(super) struct Chain {
     pub(super) conservative: bool,
     /// Whether no dead moment and no follower acts, so that the tangent is symmetric.
     pub(super) symmetric: bool,
-    /// As [`Robot::plates`].
+    /// As [`Robot::plates`]; empty where gaps are averaged.
     pub(super) plates: Vec<f64>,
+    /// Whether guides and the tendons straight between them are spread evenly, theory (67).
+    averaged: bool,
     cuts: Vec<f64>,
 }
 
@@ -31,6 +33,8 @@ pub(super) struct Span {
     /// Index into `Robot::sections`, and where that section begins.
     pub(super) section: usize,
     pub(super) section_start: f64,
+    /// Mean of h^2/24 of the gaps between guides, where these are averaged, m^2.
+    gap: Option<f64>,
     /// What is the same all along; None where the section tapers.
     uniform: Option<Uniform>,
     /// Dead force beyond the span's end, world frame.
@@ -51,9 +55,10 @@ pub(super) struct Span {
     pub(super) jump: Jump,
 }
 
-/// A span without taper: K_se^-1, K_bt^-1 diagonals, and weight per length.
+/// A span without taper: diagonals of K_se and K_bt, of their inverses, and weight per length.
 #[derive(Clone, Copy, Debug)]
 struct Uniform {
+    stiffness: (Vector3<f64>, Vector3<f64>),
     shear: Vector3<f64>,
     bend: Vector3<f64>,
     weight: Vector3<f64>,
@@ -114,7 +119,24 @@ pub(super) struct StageData {
 impl Chain {
     /// Cuts the robot, whatever its commands; keeps the memory of an earlier chain.
     pub(super) fn rebuild(&mut self, robot: &Robot) {
+        self.averaged = false;
+        self.lay(robot);
+    }
+
+    /// The same robot with its guides spread evenly along each section, and the tendons straight between them likewise.
+    pub(super) fn rebuild_averaged(&mut self, robot: &Robot) {
+        self.averaged = true;
+        self.lay(robot);
+        self.plates.clear();
+    }
+
+    pub(super) fn is_averaged(&self) -> bool {
+        self.averaged
+    }
+
+    fn lay(&mut self, robot: &Robot) {
         self.length = robot.length();
+        self.plates = robot.plates();
         self.cut(robot);
         self.spans.clear();
         let (mut section, mut section_start) = (0, 0.0);
@@ -130,6 +152,7 @@ impl Chain {
             let uniform = (of.profile.base == of.profile.tip).then(|| {
                 let (shear, bend) = of.stiffness(0.0);
                 Uniform {
+                    stiffness: (shear, bend),
                     shear: shear.map(f64::recip),
                     bend: bend.map(f64::recip),
                     weight: of.material.density * of.cross_section(0.0).area() * robot.gravity,
@@ -140,6 +163,7 @@ impl Chain {
                 to: pair[1],
                 section,
                 section_start,
+                gap: self.averaged.then(|| mean_gap(&self.plates, pair)),
                 uniform,
                 force_beyond: Vector3::zeros(),
                 force_per_length: Vector3::zeros(),
@@ -184,14 +208,15 @@ impl Chain {
         cuts.push(0.0);
         let mut end = 0.0;
         for section in &robot.sections {
-            if let Some(guides) = section.guides.as_ref().filter(|guides| guides.mass != 0.0) {
+            if let Some(guides) = section.guides.as_ref().filter(|guides| guides.mass != 0.0 && !self.averaged) {
                 cuts.extend(guides.positions.iter().map(|position| end + position));
             }
             end += section.length;
             cuts.push(end);
         }
-        self.plates = robot.plates();
-        cuts.extend(&self.plates);
+        if !self.averaged {
+            cuts.extend(&self.plates);
+        }
         cuts.extend(robot.tendons.iter().map(|tendon| robot.tendon_end(tendon)));
         for load in &robot.loads {
             match load.kind {
@@ -278,8 +303,12 @@ impl Chain {
             }
         }
         let mut section_start = 0.0;
-        for section in &robot.sections {
+        for (number, section) in robot.sections.iter().enumerate() {
             if let Some(guides) = section.guides.as_ref().filter(|guides| guides.mass != 0.0) {
+                if self.averaged {
+                    spread_guides(spans, robot, number, guides);
+                    continue;
+                }
                 for position in &guides.positions {
                     if let Some(end) = span_ending_at(spans, section_start + position) {
                         let [x, y] = guides.mass_center;
@@ -308,7 +337,45 @@ impl Chain {
     }
 }
 
+/// Mean of h^2/24 over the gaps that lie between two places.
+fn mean_gap(plates: &[f64], between: &[f64]) -> f64 {
+    let part = |pair: &[f64]| {
+        let shared = (pair[1].min(between[1]) - pair[0].max(between[0])).max(0.0);
+        shared * (pair[1] - pair[0]).powi(2) / 24.0
+    };
+    plates.windows(2).map(part).sum::<f64>() / (between[1] - between[0])
+}
+
+/// Hangs the guides of a section evenly along it, with so much more at its end, and less at its start, that the mean force along it
+/// stays: Euler and Maclaurin's sum, theory (67).
+fn spread_guides(spans: &mut [Span], robot: &Robot, section: usize, guides: &Guides) {
+    let (length, count) = (robot.sections[section].length, guides.positions.len() as f64);
+    let weight = guides.mass * robot.gravity;
+    let at_end = (guides.positions.iter().sum::<f64>() / length - 0.5 * count) * weight;
+    for of in [section.checked_sub(1), Some(section)].into_iter().flatten() {
+        if let Some(span) = spans.iter_mut().rfind(|span| span.section == of) {
+            let sign = if of == section { 1.0 } else { -1.0 };
+            span.force_beyond += sign * at_end;
+            span.jump.hung.z += sign * guides.mass * length / count / 12.0;
+            span.jump.gravity = robot.gravity;
+        }
+    }
+    for span in spans.iter_mut().filter(|span| span.section == section) {
+        span.force_per_length += count / length * weight;
+    }
+}
+
 impl Span {
+    /// Whether a tendon has holes all along the span, as far as it goes: in a channel, or between guides that are averaged.
+    pub(super) fn passes(&self, tendon: &Tendon) -> bool {
+        tendon.routing == Routing::Channel || self.gap.is_some()
+    }
+
+    /// Mean of h^2/24 of the gaps in which it is straight.
+    pub(super) fn gap(&self, tendon: &Tendon) -> f64 {
+        if tendon.routing == Routing::Channel { 0.0 } else { self.gap.unwrap_or(0.0) }
+    }
+
     /// Whether its stiffness is the same all along.
     pub(super) fn is_uniform(&self) -> bool {
         self.uniform.is_some()
@@ -340,16 +407,23 @@ impl Span {
 
     fn pulls(&self, robot: &Robot, tensions: &[f64], s: f64, length: f64) -> Vec<[Pull; POINTS.len()]> {
         let middle = 0.5 * (self.from + self.to);
-        let passing =
-            |tendon: &Tendon| tendon.routing == Routing::Channel && middle < robot.tendon_end(tendon);
+        let passing = |tendon: &Tendon| self.passes(tendon) && middle < robot.tendon_end(tendon);
         let pull = |(tendon, tension): (&Tendon, &f64)| {
             let end = robot.tendon_end(tendon);
             POINTS.map(|c| {
                 let (hole, along) = tendon.path.hole((s + c * length) / end, end);
-                Pull { hole, along, tension: *tension }
+                Pull { hole, along, tension: *tension, gap: self.gap(tendon) }
             })
         };
         robot.tendons.iter().zip(tensions).filter(|(tendon, _)| passing(tendon)).map(pull).collect()
+    }
+
+    /// Bound of [`Span::largest_angle`] where nothing turns about the axis, by the sum of the given tensions times their arms.
+    pub(super) fn bound_of_angle(&self, robot: &Robot, pull: f64) -> f64 {
+        let following = self.following_beyond + (self.to - self.from) * self.following_force.norm();
+        let force = self.dead_force(robot, self.from).norm() + self.force_beyond.norm() + following;
+        let flexibility = self.compliance(robot, self.from).1.amax() + self.compliance(robot, self.to).1.amax();
+        (force * flexibility).sqrt() + pull * flexibility
     }
 
     /// Bending that the given tensions cause, and the turn of helical holes, per length.
@@ -382,6 +456,14 @@ impl Span {
             [self.from, self.to].map(|s| self.compliance(robot, s).1.amax()).into_iter().fold(0.0, f64::max);
         let of_load = (force * flexibility).sqrt().max(robot.sections[self.section].rest_curvature.norm());
         if robot.tendons.is_empty() { of_load } else { of_load.max(self.tendon_angle(robot)) }
+    }
+
+    /// Diagonals of K_se and K_bt at `s`.
+    pub(super) fn stiffness(&self, robot: &Robot, s: f64) -> (Vector3<f64>, Vector3<f64>) {
+        if let Some(Uniform { stiffness, .. }) = &self.uniform {
+            return *stiffness;
+        }
+        robot.sections[self.section].stiffness(self.fraction(robot, s))
     }
 
     /// Diagonals of K_se^-1 and K_bt^-1 at `s`.

@@ -176,8 +176,8 @@ fn lengths(robot: &Robot, workspace: &Workspace) -> Vec<f64> {
                     let end = robot.tendon_end(tendon);
                     if channel(tendon.routing) && s < end {
                         let (hole, along) = tendon.path.hole(s / end, end);
-                        let pull = Pull { hole, along, tension: 0.0 };
-                        *length += weight * step.length * pull.path(&station.v, &station.u).0;
+                        let pull = Pull { hole, along, tension: 0.0, gap: 0.0 };
+                        *length += weight * step.length * pull.path(&station.v, &station.u).speed;
                     }
                 }
             }
@@ -205,8 +205,8 @@ fn home_lengths(robot: &Robot, workspace: &Workspace) -> Vec<f64> {
                     for (point, weight) in GAUSS {
                         let s = span.from + (k as f64 + point) * part;
                         let (hole, along) = tendon.path.hole(s / end, end);
-                        let pull = Pull { hole, along, tension: 0.0 };
-                        *length += weight * part * pull.path(&Vector3::z(), &u).0;
+                        let pull = Pull { hole, along, tension: 0.0, gap: 0.0 };
+                        *length += weight * part * pull.path(&Vector3::z(), &u).speed;
                     }
                 }
             }

@@ -88,7 +88,7 @@ pub(super) fn of_energy(
         Judged { stable, smallest_eigenvalue: found.smallest_eigenvalue, unstable_from: found.unstable_from };
     let tendons = energy.tendon_states(robot);
     let mut strain = checks::Strain::default();
-    energy.for_each_strain(|span, s, v, u| strain.sample(robot, &chain.spans[span], s, v, u))?;
+    energy.for_each_strain(chain, |span, s, v, u| strain.sample(robot, span, s, v, u))?;
     let mut checks: Vec<Check> = strain.check().into_iter().collect();
     checks.extend(checks::tendons(robot, &tendons)?);
     let mut spacing = checks::GuideSpacing::default();

@@ -1,7 +1,7 @@
 //! The equations of the rod over one integration step: state and transition matrix.
 
 use super::chain::{Jump, Step};
-use super::section::{self, Pull, Pulled};
+use super::section::{self, Pull, Stiffened};
 use crate::geometry::{cayley, cayley_coordinates, cayley_rate, hat};
 use crate::numeric::dop853::{B, STAGES, TABLEAU};
 use nalgebra::{Matrix3, Vector3};
@@ -34,9 +34,9 @@ impl Section {
     pub(super) fn backbone(&self, step: &Step, node: &Node) -> (Vector3<f64>, Vector3<f64>) {
         let (mut force, mut moment) = (self.force, node.moment);
         for pull in pulls(step, END, 1.0) {
-            let of_tendon = pull.tension * pull.path(&self.v, &self.u).1;
-            force -= node.rotation * of_tendon;
-            moment -= node.rotation * pull.hole.cross(&of_tendon);
+            let slope = pull.slope(&self.v, &self.u, &pull.path(&self.v, &self.u).tangent);
+            force -= node.rotation * (pull.tension * slope.v);
+            moment -= node.rotation * (pull.tension * slope.u);
         }
         (force, moment)
     }
@@ -284,11 +284,11 @@ impl Variation {
                 coupled: false,
             };
         }
-        let mut pulled = Pulled::default();
-        pulls(step, c, factor).for_each(|pull| pulled.add(&pull, &section.v, &section.u));
+        let pulls = pulls(step, c, factor).map(|pull| (pull, pull.path(&section.v, &section.u)));
+        let stiffened = Stiffened::new(pulls, &bend.map(f64::recip), &section.v, &section.u);
         let to_world = |block: Matrix3<f64>| node.rotation * block * node.rotation.transpose();
         let blocks =
-            section::compliance(&shear, &bend, &pulled).unwrap_or([Matrix3::from_element(f64::NAN); 4]);
+            section::compliance(&shear, &bend, &stiffened).unwrap_or([Matrix3::from_element(f64::NAN); 4]);
         let [v_n, v_m, u_n, u_m] = blocks.map(to_world);
         let m_hat = hat(&node.moment);
         let p_y = v_n * n_hat + v_m * m_hat - p_hat;

@@ -24,7 +24,8 @@ impl Sweep {
             return None;
         }
         // dead loads and chords share what shear and stretch keep
-        let of_shear = if mesh.chords.is_empty() { OF_SHEAR } else { 0.5 * OF_SHEAR };
+        let straight = !mesh.chords.is_empty() || mesh.passing.iter().any(|passing| passing.slack.gap > 0.0);
+        let of_shear = if straight { 0.5 * OF_SHEAR } else { OF_SHEAR };
         let gravity = problem.factor * problem.gravity.norm();
         let (mut flexibility, mut softening) = (0.0, 0.0);
         for panel in &mesh.panels {
@@ -45,7 +46,21 @@ impl Sweep {
         }
         let of_chords =
             (0..mesh.gaps.len()).map(|gap| self.softening_by_chords(problem, mesh, gap, of_shear));
-        Some((1.0 - softening - of_chords.fold(0.0, larger)).min(OF_SHEAR))
+        let averaged = (0..mesh.data.len()).map(|node| self.softening_in_gap(problem, mesh, node, of_shear));
+        Some((1.0 - softening - of_chords.chain(averaged).fold(0.0, larger)).min(OF_SHEAR))
+    }
+
+    /// The same of a gap around a node, where gaps are averaged.
+    fn softening_in_gap(&self, problem: &Problem, mesh: &Mesh, node: usize, of_shear: f64) -> f64 {
+        let (data, stretch) = (&mesh.data[node], self.shapes[node].v.norm());
+        let (mut tension, mut turning, mut across) = (0.0, 0.0, 0.0_f64);
+        for passing in mesh.passing[data.passing.clone()].iter().filter(|passing| passing.slack.gap > 0.0) {
+            let of_tendon = problem.tensions[passing.tendon] * passing.share;
+            across = (24.0 * passing.slack.gap).sqrt();
+            tension += of_tendon;
+            turning += 1.5 * of_tendon * (passing.slack.hole.norm() + across * stretch);
+        }
+        across / data.bend.min() * (turning + across * tension * tension / (of_shear * data.shear.min()))
     }
 
     /// Part of a gap's elastic energy that its chords may take, theory (66): their lengths depend on the strains of the gap alone.

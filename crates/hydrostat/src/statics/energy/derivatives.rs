@@ -26,6 +26,7 @@ pub(in crate::statics) fn derivatives(
     places: &[f64],
     inputs: &[Input],
 ) -> Result<Vec<Derivative>, Error> {
+    energy.bring_gaps(robot, chain);
     let Energy { tables, layouts, coarse, memory, .. } = energy;
     if robot.tendons.len() != memory.drive.tensions.len() {
         return Err(Error::new("the robot has other tendons than the one that was solved"));

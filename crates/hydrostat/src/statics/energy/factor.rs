@@ -1,14 +1,14 @@
 //! Gradient and Hessian of the energy at a placed shape, and the block elimination of the Hessian from tip to base.
 
 use super::following::PanelParts;
-use super::mesh::{Mesh, Panel};
+use super::mesh::{Mesh, NodeData, Panel};
 use super::node::{self, Acting, Linearised, Local};
 use super::sweep::{Column, End, PanelFront, Problem, STATE, Sweep};
 use crate::geometry::hat;
 use crate::numeric::blocks::{Front, symmetric};
 use crate::numeric::collocation::{Collocation, MOST};
 use crate::numeric::larger;
-use crate::statics::section::Pulled;
+use crate::statics::section::{Path, Pull, Pulled, Stiffened};
 use nalgebra::{Matrix3, Vector3};
 use std::ops::{Index, IndexMut};
 
@@ -51,11 +51,9 @@ impl Sweep {
         gradient.clear_but_nodes(mesh);
         gradient.nodes.clear();
         self.locals.clear();
-        self.pulled.resize_with(mesh.data.len(), Pulled::default);
         self.follow(problem, mesh);
         self.pull_chords(problem, mesh, gradient);
         for (node, data) in mesh.data.iter().enumerate() {
-            let passing = &mesh.passing[data.passing.clone()];
             let acting = Acting {
                 force: problem.factor * data.force
                     + data.gap.map_or(Vector3::zeros(), |gap| self.gaps[gap].force)
@@ -65,13 +63,10 @@ impl Sweep {
                 gravity: problem.factor * problem.gravity,
             };
             let shape = &self.shapes[node];
-            let pulled = (!passing.is_empty()).then(|| {
-                let pulled = &mut self.pulled[node];
-                *pulled = Pulled::default();
-                passing.iter().for_each(|of| pulled.add(&of.pull(problem.tensions), &shape.v, &shape.u));
-                &*pulled
+            let pulled = (!data.passing.is_empty()).then(|| {
+                Pulled::new(pulls(problem, mesh, &self.paths, data), &data.bend, &shape.v, &shape.u)
             });
-            let local = Local::new(data, pulled, shape, &acting);
+            let local = Local::new(data, pulled.as_ref(), shape, &acting);
             gradient.nodes.push(local.gradient(data, shape));
             self.locals.push(local);
         }
@@ -154,8 +149,10 @@ impl Sweep {
         let unknown = panel.gap.is_some() || mesh.follows;
         for node in panel.nodes.clone() {
             let (data, shape, local) = (&mesh.data[node], &self.shapes[node], &self.locals[node]);
-            let pulled = (!data.passing.is_empty()).then(|| &self.pulled[node]);
-            self.models[node] = node::linearise(data, shape, local, pulled, shift, unknown);
+            let stiffened = (!data.passing.is_empty()).then(|| {
+                Stiffened::new(pulls(problem, mesh, &self.paths, data), &data.bend, &shape.v, &shape.u)
+            });
+            self.models[node] = node::linearise(data, shape, local, stiffened.as_ref(), shift, unknown);
             assemble(&mut front, of, panel, table, node - panel.nodes.start, data.weight, &self.models[node]);
         }
         add_beyond(&mut front, of, table, carried);
@@ -191,6 +188,17 @@ impl Sweep {
         }
         Some(negative)
     }
+}
+
+/// The tendons that pass a node, and their paths.
+fn pulls<'a>(
+    problem: &'a Problem,
+    mesh: &'a Mesh,
+    paths: &'a [Path],
+    data: &NodeData,
+) -> impl Iterator<Item = (Pull, Path)> + 'a {
+    let passing = mesh.passing[data.passing.clone()].iter().zip(&paths[data.passing.clone()]);
+    passing.map(|(of, path)| (of.pull(problem.tensions), *path))
 }
 
 /// Largest gradient with respect to the turns of a panel.

@@ -4,7 +4,6 @@
 //! exp(mu Theta(s)) after a release; Theta is the angle through which its tangent has turned since the base.
 
 use super::mesh::{Mesh, Tables};
-use super::node;
 use super::sweep::Sweep;
 use crate::Robot;
 use crate::model::{Command, Motion, Routing};
@@ -33,8 +32,8 @@ pub(super) fn update(
         let coefficient = if *motion == Motion::Pulled { -tendon.friction } else { tendon.friction };
         let mut along = Along { coefficient, turned: 0.0, largest: 0.0, sum: 0.0, length: 0.0, last: 1.0 };
         match tendon.routing {
-            Routing::Channel => along.channel(i, mesh, sweep, tables),
-            Routing::Guides => along.chords(i, mesh),
+            Routing::Guides if !mesh.chords.is_empty() => along.chords(i, mesh),
+            _ => along.channel(i, mesh, sweep, tables),
         }
         means[i] = if along.length > 0.0 { along.sum / along.length } else { 1.0 };
         ends[i] = along.last;
@@ -93,8 +92,8 @@ impl Along {
                 .clone()
                 .zip(&passing)
                 .map(|(node, &p)| {
-                    let (speed, tangent) = node::tangent(&sweep.shapes[node], &mesh.passing[p]);
-                    (speed, sweep.shapes[node].rotation * tangent)
+                    let path = &sweep.paths[p];
+                    (path.speed, sweep.shapes[node].rotation * path.tangent)
                 })
                 .collect();
             // a kink where the strain jumps

@@ -67,6 +67,16 @@ impl Search<'_> {
 
     /// Refuses what would wind the robot up, before it costs memory and time.
     pub(super) fn refuse_too_much(&self) -> Result<(), Error> {
+        let pull = |(tendon, command): (&Tendon, &Command)| match command {
+            Command::Tension { tension, .. } => tension.abs() * tendon.path.radius.max(tendon.path.tip_radius),
+            Command::Displacement { .. } => 0.0,
+        };
+        let pull: f64 = self.robot.tendons.iter().zip(&self.robot.actuation).map(pull).sum();
+        let bound = |span: &Span| (span.to - span.from) * span.bound_of_angle(self.robot, pull);
+        let parallel = self.robot.tendons.iter().all(|tendon| tendon.path.turns == 0.0);
+        if parallel && self.chain.spans.iter().map(bound).sum::<f64>() <= MOST_TURNS * TAU {
+            return Ok(());
+        }
         let turn = |span: &Span| {
             let (angle, at_rest) =
                 (span.largest_angle(self.robot), self.robot.sections[span.section].rest_curvature);

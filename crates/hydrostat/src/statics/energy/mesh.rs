@@ -46,19 +46,20 @@ pub(super) struct NodeData {
     pub(super) following_moment: Vector3<f64>,
     /// First moment of the mass per length, body frame.
     pub(super) mass_moment: Vector3<f64>,
+    /// Force and moment that the section law leaves out, body frame: where gaps are averaged.
+    pub(super) left_out: [Vector3<f64>; 2],
     /// The channel tendons that pass, among `Mesh::passing`.
     pub(super) passing: Range<usize>,
     /// The gap in which it lies, if chords run there.
     pub(super) gap: Option<usize>,
 }
 
-/// A channel tendon at a node.
+/// A tendon at a node: in a channel, or on average between guides.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Passing {
     pub(super) tendon: usize,
-    /// r and r', body frame.
-    pub(super) hole: Vector3<f64>,
-    pub(super) along: Vector3<f64>,
+    /// Without tension.
+    pub(super) slack: Pull,
     /// Its tension over that at the base.
     pub(super) share: f64,
 }
@@ -66,8 +67,7 @@ pub(super) struct Passing {
 impl Passing {
     /// Under the tensions at the base.
     pub(super) fn pull(&self, tensions: &[f64]) -> Pull {
-        let tension = tensions.get(self.tendon).map_or(0.0, |tension| tension * self.share);
-        Pull { hole: self.hole, along: self.along, tension }
+        Pull { tension: tensions[self.tendon] * self.share, ..self.slack }
     }
 }
 
@@ -196,13 +196,14 @@ impl Mesh {
     fn add_node(&mut self, robot: &Robot, chain: &Chain, span: usize, s: f64, weight: f64) {
         let of = &chain.spans[span];
         let section = &robot.sections[of.section];
-        let (shear, bend) = section.stiffness(of.fraction(robot, s));
+        let (shear, bend) = of.stiffness(robot, s);
         let first = self.passing.len();
         for (tendon, routed) in robot.tendons.iter().enumerate() {
             let end = robot.tendon_end(routed);
-            if routed.routing == Routing::Channel && s < end {
+            if of.passes(routed) && s < end {
                 let (hole, along) = routed.path.hole(s / end, end);
-                self.passing.push(Passing { tendon, hole, along, share: 1.0 });
+                let slack = Pull { hole, along, tension: 0.0, gap: of.gap(routed) };
+                self.passing.push(Passing { tendon, slack, share: 1.0 });
             }
         }
         self.data.push(NodeData {
@@ -214,6 +215,7 @@ impl Mesh {
             moment_per_length: of.moment_per_length,
             following_moment: of.following_moment,
             mass_moment: of.mass_moment(robot, s),
+            left_out: [Vector3::zeros(); 2],
             passing: first..self.passing.len(),
             gap: None,
         });
@@ -290,6 +292,8 @@ impl Mesh {
 pub(super) struct Sample {
     pub(super) position: Vector3<f64>,
     pub(super) rotation: Matrix3<f64>,
+    pub(super) v: Vector3<f64>,
+    pub(super) u: Vector3<f64>,
 }
 
 impl Mesh {
@@ -309,13 +313,13 @@ impl Mesh {
         let panel = &self.panels[k];
         let table = tables.of(panel.nodes.len());
         let t = ((s - panel.from) / panel.length).clamp(0.0, 1.0);
-        let (rotation, ..) = self.within(panel, table, &self.rotations[k], t);
+        let (rotation, v, u) = self.within(panel, table, &self.rotations[k], t);
         let mut position = self.positions[k];
         for (point, weight) in table.points.iter().zip(&table.weights) {
             let (rotation, v, _) = self.within(panel, table, &self.rotations[k], t * point);
             position += (t * weight * panel.length) * (rotation * v);
         }
-        Sample { position, rotation }
+        Sample { position, rotation, v, u }
     }
 
     fn rotation_and_v(&self, tables: &Tables, s: f64) -> (Matrix3<f64>, Vector3<f64>) {

@@ -6,6 +6,7 @@
 //! `convex`, `result` and `derivatives` say what was found.
 
 mod at_once;
+mod averaged;
 mod bow;
 mod chords;
 mod convex;
@@ -13,6 +14,7 @@ mod derivatives;
 mod factor;
 mod following;
 mod friction;
+mod gaps;
 mod judge;
 mod mesh;
 mod newton;
@@ -48,15 +50,20 @@ pub(super) struct Energy {
     reached_drive: Drive,
     memory: Memory,
     seen: Seen,
-    /// Of the same robot with its guided tendons in channels.
-    smooth: Option<Box<Smooth>>,
+    /// Of the same robot with the gaps between its guides averaged.
+    averaged: Option<Box<Averaged>>,
 }
 
-/// What a shape to start from is found with.
+/// The robot with the gaps between its guides averaged.
 #[derive(Clone, Debug, Default)]
-struct Smooth {
+struct Averaged {
     chain: Chain,
     energy: Energy,
+    gaps: gaps::Gaps,
+    /// At a shape nearby.
+    measured: Option<averaged::Measured>,
+    /// Whether the last solution was found by it.
+    holds_solution: bool,
 }
 
 /// Scratch of one linearisation, and the tendons' tensions.

@@ -139,6 +139,7 @@ impl Equations<'_> {
     pub(super) fn place(&self, sweep: &mut Sweep, drive: &mut Drive, mesh: &mut Mesh) {
         sweep.place(mesh, self.tables);
         tendons::measure(mesh, sweep, &mut drive.lengths, self.robot.tendons.len());
+        drive.lengths.iter_mut().zip(&drive.left_out).for_each(|(length, more)| *length += more);
     }
 
     /// What is left of the equations at the placed shape.

@@ -1,9 +1,9 @@
 //! The energy of one Gauss node, with its gradient and Hessian.
 
-use super::mesh::{NodeData, Passing};
+use super::mesh::NodeData;
 use crate::geometry::{RotationVector, hat};
 use crate::numeric::blocks::symmetric;
-use crate::statics::section::Pulled;
+use crate::statics::section::{Pulled, Stiffened};
 use nalgebra::{Matrix3, Vector3};
 
 /// The shape at a node: rotation vector since the panel's start and its rate, strains, rotation in the world.
@@ -23,6 +23,7 @@ pub(super) struct Shape {
 
 impl Shape {
     /// Places the node by the rotation of the panel's start.
+    #[inline]
     pub(super) fn place(
         &mut self,
         start: &Matrix3<f64>,
@@ -40,6 +41,7 @@ impl Shape {
     }
 
     /// Rotation of the section by those of the panel's start and of the turn, body frame.
+    #[inline]
     pub(super) fn turned(&self, start: &Vector3<f64>, turn: &Vector3<f64>) -> Vector3<f64> {
         self.since_start.tr_mul(start) + self.jacobian * turn
     }
@@ -53,11 +55,6 @@ pub(super) struct Acting {
     /// Of following moments, body frame.
     pub(super) following_moment: Vector3<f64>,
     pub(super) gravity: Vector3<f64>,
-}
-
-/// Path of a channel tendon at a node: d(path length)/ds, its tangent, body frame.
-pub(super) fn tangent(shape: &Shape, passing: &Passing) -> (f64, Vector3<f64>) {
-    passing.pull(&[]).path(&shape.v, &shape.u)
 }
 
 /// A linear form on the variations of a node: of v, of the turn, of its rate, of the panel's start (body), of the force beyond (world).
@@ -110,8 +107,9 @@ pub(super) struct Local {
 impl Local {
     /// `pulled` by the channel tendons that pass, if any do.
     pub(super) fn new(data: &NodeData, pulled: Option<&Pulled>, shape: &Shape, acting: &Acting) -> Self {
-        let mut u_v = data.shear.component_mul(&(shape.v - Vector3::z()));
-        let mut u_u = data.bend.component_mul(&(shape.u - data.rest_curvature));
+        let [force, moment] = &data.left_out;
+        let mut u_v = data.shear.component_mul(&(shape.v - Vector3::z())) + force;
+        let mut u_u = data.bend.component_mul(&(shape.u - data.rest_curvature)) + moment;
         if let Some(pulled) = pulled {
             u_v += pulled.force;
             u_u += pulled.moment;
@@ -147,11 +145,12 @@ impl Local {
 
 /// The Hessian at a node per unit weight with `shift` times the elastic part added, v eliminated. The blocks of the force beyond
 /// are filled where that force is `unknown`: beside chords, and before followers.
+#[inline]
 pub(super) fn linearise(
     data: &NodeData,
     shape: &Shape,
     local: &Local,
-    pulled: Option<&Pulled>,
+    stiffened: Option<&Stiffened>,
     shift: f64,
     unknown: bool,
 ) -> Linearised {
@@ -162,10 +161,10 @@ pub(super) fn linearise(
     // v eliminated from the form in du, the section's rotation a, and the force beyond
     let v_turned = -hat(force);
     let (v_v_inverse, mut uu, ua);
-    if let Some(pulled) = pulled {
-        v_v_inverse = convex_inverse(&(pulled.v_v + Matrix3::from_diagonal(&(stiffer * data.shear))));
-        let du = v_v_inverse * pulled.v_u;
-        (uu, ua) = (pulled.u_u - pulled.v_u.tr_mul(&du), -du.tr_mul(&v_turned));
+    if let Some(tendons) = stiffened {
+        v_v_inverse = convex_inverse(&(tendons.v_v + Matrix3::from_diagonal(&(stiffer * data.shear))));
+        let du = v_v_inverse * tendons.v_u;
+        (uu, ua) = (tendons.u_u - tendons.v_u.tr_mul(&du), -du.tr_mul(&v_turned));
         for axis in 0..3 {
             uu[(axis, axis)] += stiffer * data.bend[axis];
         }
@@ -199,10 +198,10 @@ pub(super) fn linearise(
         start_force: Matrix3::zeros(),
         force_force: Matrix3::zeros(),
         v_v_inverse,
-        v_u: pulled.map(|pulled| pulled.v_u),
+        v_u: stiffened.map(|tendons| tendons.v_u),
         force: *force,
     };
-    if pulled.is_some() {
+    if stiffened.is_some() {
         let mixed = b.tr_mul(&ua_turn);
         model.turn_turn += mixed + mixed.transpose();
         model.turn_rate += ua_turn.tr_mul(jacobian);
@@ -230,8 +229,8 @@ pub(super) fn linearise(
         model.turn_force = jacobian.tr_mul(&turned_force);
         model.start_force = back * turned_force;
         model.force_force = -(shape.rotation * of_force);
-        if let Some(pulled) = pulled {
-            let u_force = pulled.v_u.tr_mul(&of_force);
+        if let Some(tendons) = stiffened {
+            let u_force = tendons.v_u.tr_mul(&of_force);
             model.turn_force += b.tr_mul(&u_force);
             model.rate_force = jacobian.tr_mul(&u_force);
         }
@@ -256,6 +255,7 @@ fn convex_inverse(m: &Matrix3<f64>) -> Matrix3<f64> {
 
 impl Linearised {
     /// What is left of a right-hand side once v is eliminated.
+    #[inline]
     pub(super) fn condense(&self, shape: &Shape, right: &Form) -> Form {
         let v = self.v_v_inverse * right.v;
         let turned = self.force.cross(&v);
@@ -275,6 +275,7 @@ impl Linearised {
     }
 
     /// v from the others: `solved` holds their values, `turned` the rotation of the section by them, `right` the right-hand side.
+    #[inline]
     pub(super) fn recover_v(
         &self,
         shape: &Shape,

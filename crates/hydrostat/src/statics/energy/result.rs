@@ -1,6 +1,8 @@
 //! What is read off the solution: stations, tendons, strains.
 
-use super::Energy;
+use super::mesh::Passing;
+use super::node::Shape;
+use super::{Averaged, Energy};
 use super::search::LARGEST_TURN;
 use crate::model::Routing;
 use crate::solution::{Station, TendonState};
@@ -15,7 +17,8 @@ const STATION_ANGLE: f64 = 0.3;
 impl Energy {
     /// The tendons at the solution.
     pub(in crate::statics) fn tendon_states(&self, robot: &Robot) -> Vec<TendonState> {
-        let drive = &self.memory.drive;
+        let read = self.read_averaged();
+        let drive = read.map_or(&self.memory.drive, |(averaged, _)| &averaged.energy.memory.drive);
         let state = |(i, tendon): (usize, &crate::model::Tendon)| TendonState {
             name: tendon.name.clone(),
             tension: drive.tensions[i],
@@ -28,9 +31,31 @@ impl Energy {
         robot.tendons.iter().enumerate().map(state).collect()
     }
 
-    /// The state at `s`, on the base side of a jump: integrated back from the end of its panel, where the solution is most
-    /// accurate.
+    /// The state at `s`, on the base side of a jump.
     pub(in crate::statics) fn station(&self, robot: &Robot, chain: &Chain, s: f64) -> Station {
+        let station = self.station_of_panel(robot, chain, s);
+        let Some((averaged, measured)) = self.read_averaged() else { return station };
+        // as far as the averaged robot has moved since the gaps were placed
+        let tables = &self.tables;
+        let [now, then] = [&averaged.energy.coarse, &measured.averaged].map(|mesh| mesh.at(tables, s));
+        let span = &chain.spans[self.coarse.panels[self.coarse.panel_at(s)].span];
+        let (shear, bend) = robot.sections[span.section].stiffness(span.fraction(robot, s));
+        let (dv, du) = (now.v - then.v, now.u - then.u);
+        let turned = now.rotation * then.rotation.transpose();
+        let rotation = turned * station.rotation;
+        Station {
+            s,
+            position: station.position + now.position - then.position,
+            rotation,
+            v: station.v + dv,
+            u: station.u + du,
+            force: turned * station.force + rotation * shear.component_mul(&dv),
+            moment: turned * station.moment + rotation * bend.component_mul(&du),
+        }
+    }
+
+    /// Integrated back from the end of its panel, where the solution is most accurate.
+    fn station_of_panel(&self, robot: &Robot, chain: &Chain, s: f64) -> Station {
         let Energy { coarse, memory, .. } = self;
         let k = coarse.panel_at(s);
         let panel = &coarse.panels[k];
@@ -86,26 +111,61 @@ impl Energy {
     /// Span, arc length, v and u at the nodes and both ends of every panel.
     pub(in crate::statics) fn for_each_strain(
         &self,
-        mut visit: impl FnMut(usize, f64, &Vector3<f64>, &Vector3<f64>) -> Result<(), Error>,
+        chain: &Chain,
+        mut visit: impl FnMut(&Span, f64, &Vector3<f64>, &Vector3<f64>) -> Result<(), Error>,
     ) -> Result<(), Error> {
+        let mut outcome = Ok(());
+        let mut visit = |span: &Span, s: f64, v: &Vector3<f64>, u: &Vector3<f64>| {
+            if outcome.is_ok() {
+                outcome = visit(span, s, v, u);
+            }
+        };
+        if let Some((averaged, measured)) = self.read_averaged() {
+            let Averaged { energy: Energy { coarse, .. }, chain, .. } = averaged;
+            averaged.energy.visit_strains(chain, |span, s, v, u| {
+                let panel = coarse.panel_at(s);
+                let at_rest = coarse.data[coarse.panels[panel].nodes.start].rest_curvature;
+                visit(span, s, v, &(at_rest + measured.more[panel].bending * (u - at_rest)));
+            });
+        } else {
+            self.visit_strains(chain, visit);
+        }
+        outcome
+    }
+
+    pub(super) fn visit_strains(
+        &self,
+        chain: &Chain,
+        mut visit: impl FnMut(&Span, f64, &Vector3<f64>, &Vector3<f64>),
+    ) {
         let Energy { tables, coarse, memory, .. } = self;
         for (panel, front) in coarse.panels.iter().zip(&memory.sweep.panels) {
-            let table = tables.of(panel.nodes.len());
+            let (table, span) = (tables.of(panel.nodes.len()), &chain.spans[panel.span]);
             let (_, start, v) = coarse.interpolated(panel, &table.start);
-            visit(panel.span, panel.from, &v, &start)?; // J(0) = 1
+            visit(span, panel.from, &v, &start); // J(0) = 1
             for (point, shape) in table.points.iter().zip(&memory.sweep.shapes[panel.nodes.clone()]) {
-                visit(panel.span, panel.from + point * panel.length, &shape.v, &shape.u)?;
+                visit(span, panel.from + point * panel.length, &shape.v, &shape.u);
             }
             let (_, rate, v) = coarse.interpolated(panel, &table.finish);
-            visit(panel.span, panel.from + panel.length, &v, &(front.end.jacobian * rate))?;
+            visit(span, panel.from + panel.length, &v, &(front.end.jacobian * rate));
         }
-        Ok(())
     }
 
     /// At the middle of every panel between plates: s, how far a tendon's straight line is from the curve of its hole, and the
-    /// radius of the hole.
+    /// radius of the hole. Of an averaged robot, of a gap around every node.
     pub(in crate::statics) fn for_each_deviation(&self, robot: &Robot, mut visit: impl FnMut(f64, f64, f64)) {
-        let Energy { coarse, .. } = self;
+        if let Some((averaged, measured)) = self.read_averaged() {
+            averaged.energy.visit_deviations(robot, |s, away, radius| {
+                let panel = averaged.energy.coarse.panel_at(s);
+                visit(s, measured.more[panel].deviation * away, radius);
+            });
+        } else {
+            self.visit_deviations(robot, visit);
+        }
+    }
+
+    pub(super) fn visit_deviations(&self, robot: &Robot, mut visit: impl FnMut(f64, f64, f64)) {
+        let Energy { tables, coarse, memory, .. } = self;
         for gap in &coarse.gaps {
             let start = coarse.panels[gap.panels.start].from;
             let across: f64 = coarse.panels[gap.panels.clone()].iter().map(|panel| panel.length).sum();
@@ -130,11 +190,33 @@ impl Energy {
                 }
             }
         }
+        if coarse.passing.iter().all(|passing| passing.slack.gap == 0.0) {
+            return;
+        }
+        for panel in &coarse.panels {
+            let points = &tables.of(panel.nodes.len()).points;
+            for (node, point) in panel.nodes.clone().zip(points) {
+                let Shape { v, u, .. } = &memory.sweep.shapes[node];
+                for Passing { slack, .. } in &coarse.passing[coarse.data[node].passing.clone()] {
+                    let path = v + u.cross(&slack.hole);
+                    // h^2/8 of the curvature across the path
+                    let away = 3.0 * slack.gap * path.cross(&u.cross(&path)).norm() / path.norm();
+                    visit(panel.from + point * panel.length, away, slack.hole.norm());
+                }
+            }
+        }
     }
 
     /// Pose of the tip.
     pub(in crate::statics) fn tip(&self) -> (Vector3<f64>, Matrix3<f64>) {
         let last = self.coarse.panels.len();
-        (self.coarse.positions[last], self.coarse.rotations[last])
+        let (position, rotation) = (self.coarse.positions[last], self.coarse.rotations[last]);
+        let Some((averaged, measured)) = self.read_averaged() else { return (position, rotation) };
+        let (now, then) = (&averaged.energy.coarse, &measured.averaged);
+        let tip = now.panels.len();
+        (
+            position + now.positions[tip] - then.positions[tip],
+            now.rotations[tip] * then.rotations[tip].tr_mul(&rotation),
+        )
     }
 }

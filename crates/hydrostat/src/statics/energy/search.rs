@@ -27,6 +27,7 @@ pub(in crate::statics) struct Found {
 
 /// Largest turn that a panel is laid out for, and with which it is cut in two, rad.
 const FIRST_TURN: f64 = 0.8;
+const FIRST_TURN_AVERAGED: f64 = 1.2;
 pub(super) const LARGEST_TURN: f64 = 1.3;
 /// Points of the first mesh, one more for tolerances below the second number; two less where panels turn little.
 const FIRST_POINTS: usize = 4;
@@ -140,6 +141,9 @@ impl<'a> Search<'a> {
     fn run(&mut self, start: Start) -> Result<Found, Error> {
         self.refuse_too_much()?;
         let tolerance = self.settings.tolerance;
+        if let Some(found) = self.by_averaging(start) {
+            return Ok(found);
+        }
         let mut unstable_from = None;
         match start {
             Start::Shape(shape) => {
@@ -226,7 +230,7 @@ impl<'a> Search<'a> {
         told.filter(|told| told.is_finite()).unwrap_or(UNSEEN_REDUCTION).clamp(SLOWEST_REDUCTION, largest)
     }
 
-    fn start_from_rest(&mut self) -> Result<Option<f64>, Error> {
+    pub(super) fn start_from_rest(&mut self) -> Result<Option<f64>, Error> {
         if self.settings.largest_load_step == 1.0 && self.start_at_once() {
             return Ok(None);
         }
@@ -276,9 +280,11 @@ impl<'a> Search<'a> {
         // between guides bows stand for further points
         let bows = self.settings.tolerance >= FINE_TOLERANCE && self.bows_alone();
         let little = if bows { MOST_BOWED } else { 0.1 * FIRST_TURN };
+        // of averaged gaps the gaps tell what a panel leaves out
+        let first_turn = if self.chain.is_averaged() { FIRST_TURN_AVERAGED } else { FIRST_TURN };
         for span in &self.chain.spans {
             let turn = span.largest_angle(self.robot) * (span.to - span.from);
-            let parts = (turn / FIRST_TURN - 1e-9).ceil().clamp(1.0, 1e4) as usize;
+            let parts = (turn / first_turn - 1e-9).ceil().clamp(1.0, 1e4) as usize;
             let points = if turn < little { first_points - 2 } else { first_points };
             self.energy.layouts.push(Layout { parts, points });
         }
@@ -463,7 +469,7 @@ impl<'a> Search<'a> {
     }
 
     /// One more point in every panel, or shorter panels; the mesh of before is in `fine`. Returns whether points were added.
-    fn refine(&mut self) -> bool {
+    pub(super) fn refine(&mut self) -> bool {
         let add = self.energy.layouts.iter().all(|layout| layout.points < MOST);
         for layout in &mut self.energy.layouts {
             if add {

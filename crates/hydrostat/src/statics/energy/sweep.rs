@@ -13,7 +13,7 @@ use crate::numeric::blocks;
 use crate::numeric::collocation::{Collocation, MOST};
 use crate::numeric::larger;
 use crate::statics::chain::Chain;
-use crate::statics::section::Pulled;
+use crate::statics::section::Path;
 use nalgebra::{Matrix3, Vector3};
 
 /// What the energy is made of, beside the shape.
@@ -43,8 +43,8 @@ const TURN_OF_CHORD: f64 = 1.12;
 pub(super) struct Sweep {
     pub(super) shapes: Vec<Shape>,
     pub(super) locals: Vec<Local>,
-    /// By the channel tendons, per node; of those that none passes without meaning.
-    pub(super) pulled: Vec<Pulled>,
+    /// As [`Mesh::passing`].
+    pub(super) paths: Vec<Path>,
     pub(super) models: Vec<Linearised>,
     pub(super) panels: Vec<PanelFront>,
     /// Directions in which the energy fell where the fronts' factors were made; None for those of a shifted Hessian.
@@ -244,6 +244,7 @@ impl Sweep {
     /// Poses of cuts and nodes by the turns and strains of the mesh.
     pub(super) fn place(&mut self, mesh: &mut Mesh, tables: &Tables) {
         self.shapes.resize_with(mesh.data.len(), Shape::default);
+        self.paths.clear();
         self.panels.clear();
         let (mut blocks, mut rows) = (0, 0);
         for k in 0..mesh.panels.len() {
@@ -258,6 +259,9 @@ impl Sweep {
                     turn += table.bow[local] * panel.length * panel.bow;
                 }
                 shape.place(&start, turn, rate, mesh.v[node]);
+                for passing in &mesh.passing[mesh.data[node].passing.clone()] {
+                    self.paths.push(passing.slack.path(&shape.v, &shape.u));
+                }
                 position += mesh.data[node].weight * (shape.rotation * shape.v);
             }
             let turn = RotationVector::new(mesh.end_turn(panel, table));

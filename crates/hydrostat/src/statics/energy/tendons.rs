@@ -1,13 +1,12 @@
 //! Lengths of the tendons on a placed shape, and how they change with it.
 
 use super::mesh::{Mesh, Panel, Tables};
-use super::node;
 use super::sweep::{Column, Sweep, weighted};
 use crate::Robot;
 use crate::geometry::RotationVector;
 use crate::model::Command;
 use crate::numeric::collocation::{Collocation, MOST};
-use crate::statics::section::Pull;
+use crate::statics::section::{Path, Pull};
 use nalgebra::{Matrix3, Vector3};
 
 /// A path that gains so little along the backbone, per length of it, has shrunk to nothing.
@@ -23,6 +22,8 @@ pub(super) struct Drive {
     /// Of the paths on the placed shape, and on the unloaded one.
     pub(super) lengths: Vec<f64>,
     pub(super) home: Vec<f64>,
+    /// What the gaps add to the lengths of an averaged robot; empty otherwise.
+    pub(super) left_out: Vec<f64>,
     /// Tendons held by displacement, and whether each is taut.
     pub(super) held: Vec<usize>,
     pub(super) taut: Vec<bool>,
@@ -56,6 +57,7 @@ impl Drive {
         self.mean_shares.clear();
         self.end_shares.clear();
         self.springs.give.clear();
+        self.left_out.clear();
         self.held.clear();
         for (tendon, command) in robot.actuation.iter().enumerate() {
             if matches!(command, Command::Displacement { .. }) {
@@ -80,6 +82,15 @@ impl Drive {
             if let Command::Tension { tension: whole, .. } = command {
                 *tension = factor * whole;
             }
+        }
+    }
+
+    /// Takes the lengths in the gaps for those of the averaged robot at the same shape.
+    pub(super) fn take_lengths(&mut self, lengths: &[f64]) {
+        self.left_out.resize(lengths.len(), 0.0);
+        for ((left_out, own), length) in self.left_out.iter_mut().zip(&mut self.lengths).zip(lengths) {
+            *left_out += length - *own;
+            *own = *length;
         }
     }
 
@@ -112,9 +123,9 @@ impl Drive {
 pub(super) fn measure(mesh: &Mesh, sweep: &Sweep, lengths: &mut Vec<f64>, count: usize) {
     lengths.clear();
     lengths.resize(count, 0.0);
-    for (data, shape) in mesh.data.iter().zip(&sweep.shapes) {
-        for passing in &mesh.passing[data.passing.clone()] {
-            lengths[passing.tendon] += data.weight * node::tangent(shape, passing).0;
+    for data in &mesh.data {
+        for (passing, path) in mesh.passing[data.passing.clone()].iter().zip(&sweep.paths[data.passing.clone()]) {
+            lengths[passing.tendon] += data.weight * path.speed;
         }
     }
     for (chord, (_, length)) in mesh.chords.iter().zip(&sweep.spans) {
@@ -129,7 +140,7 @@ pub(super) fn at_rest(mesh: &Mesh, lengths: &mut Vec<f64>, count: usize) {
     for data in &mesh.data {
         for passing in &mesh.passing[data.passing.clone()] {
             lengths[passing.tendon] +=
-                data.weight * passing.pull(&[]).path(&Vector3::z(), &data.rest_curvature).0;
+                data.weight * passing.slack.path(&Vector3::z(), &data.rest_curvature).speed;
         }
     }
     for gap in &mesh.gaps {
@@ -157,11 +168,13 @@ pub(super) fn length_form(mesh: &Mesh, sweep: &Sweep, tendon: usize, shares: boo
     column.clear(mesh);
     let scale = |share: f64| if shares { share } else { 1.0 };
     for (node, (data, shape)) in mesh.data.iter().zip(&sweep.shapes).enumerate() {
-        for passing in mesh.passing[data.passing.clone()].iter().filter(|passing| passing.tendon == tendon) {
-            let t = node::tangent(shape, passing).1 * (data.weight * scale(passing.share));
-            let moment = passing.hole.cross(&t);
+        let passing = mesh.passing[data.passing.clone()].iter().zip(&sweep.paths[data.passing.clone()]);
+        for (passing, path) in passing.filter(|(passing, _)| passing.tendon == tendon) {
+            let slope = passing.slack.slope(&shape.v, &shape.u, &path.tangent);
+            let weight = data.weight * scale(passing.share);
+            let moment = weight * slope.u;
             let form = &mut column.nodes[node];
-            form.v += t;
+            form.v += weight * slope.v;
             form.turn += shape.turn_u.tr_mul(&moment);
             form.rate += shape.jacobian.tr_mul(&moment);
         }
@@ -191,7 +204,7 @@ fn pull_at(
         let end = robot.tendon_end(tendon);
         if tension != 0.0 && s < end {
             let (hole, along) = tendon.path.hole(s / end, end);
-            let pull = tension * Pull { hole, along, tension }.path(v, u).1;
+            let pull = tension * Pull { hole, along, tension, gap: 0.0 }.path(v, u).tangent;
             force += pull;
             moment += hole.cross(&pull);
         }
@@ -271,10 +284,10 @@ impl Mesh {
 pub(super) fn folded(mesh: &Mesh, sweep: &Sweep) -> Option<(usize, f64)> {
     for panel in &mesh.panels {
         for node in panel.nodes.clone() {
-            for passing in &mesh.passing[mesh.data[node].passing.clone()] {
-                let (speed, tangent) = node::tangent(&sweep.shapes[node], passing);
+            for passing in mesh.data[node].passing.clone() {
+                let Path { speed, tangent } = sweep.paths[passing];
                 if speed * tangent.z < FOLDED {
-                    return Some((passing.tendon, panel.from));
+                    return Some((mesh.passing[passing].tendon, panel.from));
                 }
             }
         }

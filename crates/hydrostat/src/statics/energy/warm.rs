@@ -46,7 +46,7 @@ impl Search<'_> {
     }
 
     /// With what the way from the last solution begins, `placed` if the shape still is; bends that further where the factors would not do.
-    fn begin_nearby(&mut self, placed: bool) -> Begin {
+    pub(super) fn begin_nearby(&mut self, placed: bool) -> Begin {
         let sweep = &mut self.energy.memory.sweep;
         if placed && sweep.moved > 0.5 * NEAR {
             sweep.measure_moved();
@@ -62,7 +62,7 @@ impl Search<'_> {
     }
 
     /// Forgets factors with which a solution nearby has taken more steps than new ones would.
-    fn judge_factors(&mut self, end: &Converged, steps: usize) {
+    pub(super) fn judge_factors(&mut self, end: &Converged, steps: usize) {
         let of_new = &mut self.energy.seen.steps_of_new_factors;
         if end.moved.is_finite() {
             *of_new = steps;

@@ -1,0 +1,350 @@
+//! Robots with guides by way of the averaged robot, theory (67) to (69): it finds the shape, the gaps show what it leaves out.
+
+use super::gaps::Gaps;
+use super::mesh::{Layout, Mesh};
+use super::newton::{Begin, Converged, Equations};
+use super::search::{FINE_TOLERANCE, Found, SAFETY, Search, Seen, Start};
+use super::sweep::Sweep;
+use super::{Averaged, Energy, Memory, Tables};
+use crate::Robot;
+use crate::geometry::rotation_vector;
+use crate::numeric::collocation::FEWEST;
+use crate::numeric::larger;
+use crate::statics::chain::Chain;
+use nalgebra::{Matrix3, Vector3};
+
+/// Gaps that turn further are not averaged, rad.
+const MOST_TURNED: f64 = 0.3;
+/// How often the gaps are measured, and by how much a measurement is taken to reduce the error at most.
+const MOST_ROUNDS: usize = 8;
+const LARGEST_REDUCTION: f64 = 10.0;
+/// Part of one change that may not be seen in the next: the tensions of held tendons follow a turn later.
+const LAG: f64 = 0.03;
+const LAG_OF_HELD: f64 = 0.3;
+/// Points in a gap at most, and the part of the tolerance that what these leave out may take.
+const MOST_POINTS: usize = 4;
+const OF_POINTS: f64 = 0.25;
+/// What points leave out, as a part of the bend: per part of the elastic energy in the bows and turn^2, and of that in the highest
+/// coefficient that the points see per turn^2 more.
+const OF_ENERGY: f64 = 5.0;
+const OF_TOP: f64 = 5.0;
+/// Part of the drift without a second measurement that is assumed in any case, and the part of the bend from which on one tells it.
+const LEAST_DRIFT: f64 = 0.1;
+/// Part of what gaps and averaged robot do against each other that may come to light farther on.
+const OF_CHANGE: f64 = 0.2;
+/// Factor on it, for other directions than that in which it was seen.
+const OF_DRIFT: f64 = 10.0;
+const LEAST_MOVED: f64 = 1e-4;
+
+/// What the averaged robot leaves out, as the gaps showed it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Measured {
+    /// Where the averaged robot stood, and the way from its tip to that of the gaps.
+    pub(super) averaged: Mesh,
+    offset: Vector3<f64>,
+    /// Largest bending in the gaps over that of the averaged robot, and distance of a tendon from its channel, per panel of that robot.
+    pub(super) more: Vec<Largest>,
+    error_estimate: f64,
+    /// How fast the error grows with the way from there, m/rad.
+    drift: f64,
+}
+
+/// Bending of the backbone, 1/m, and distance of a tendon from its channel over the radius of its hole.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Largest {
+    pub(super) bending: f64,
+    pub(super) deviation: f64,
+}
+
+impl Largest {
+    fn over(&self, other: &Self) -> Self {
+        let part = |of: f64, other: f64| if other > 0.0 { of / other } else { 1.0 };
+        Largest {
+            bending: part(self.bending, other.bending),
+            deviation: part(self.deviation, other.deviation),
+        }
+    }
+}
+
+impl Energy {
+    /// The largest on each panel of the averaged robot.
+    fn largest(&self, robot: &Robot, chain: &Chain, averaged: &Mesh) -> Vec<Largest> {
+        let mut largest = vec![Largest::default(); averaged.panels.len()];
+        self.visit_strains(chain, |span, s, _, u| {
+            let bending = u - robot.sections[span.section].rest_curvature;
+            let of_panel = &mut largest[averaged.panel_at(s)].bending;
+            *of_panel = larger(*of_panel, bending.xy().norm());
+        });
+        self.visit_deviations(robot, |s, away, radius| {
+            let of_panel = &mut largest[averaged.panel_at(s)].deviation;
+            *of_panel = larger(*of_panel, away / radius);
+        });
+        largest
+    }
+
+    /// The averaged robot, where it holds the last solution.
+    pub(super) fn read_averaged(&self) -> Option<(&Averaged, &Measured)> {
+        let averaged = self.averaged.as_deref().filter(|averaged| averaged.holds_solution)?;
+        Some((averaged, averaged.measured.as_ref()?))
+    }
+
+    /// Brings the gaps to where the averaged robot stands, where that holds the last solution.
+    pub(super) fn bring_gaps(&mut self, robot: &Robot, chain: &Chain) {
+        let Some(mut averaged) = self.averaged.take() else { return };
+        if std::mem::take(&mut averaged.holds_solution) {
+            self.place_gaps(robot, chain, &averaged.gaps, &averaged.energy);
+        }
+        self.averaged = Some(averaged);
+    }
+
+    /// Places the gaps beside the averaged robot, and finds the gradient there.
+    fn place_gaps(&mut self, robot: &Robot, chain: &Chain, gaps: &Gaps, averaged: &Energy) {
+        let Energy { tables, coarse, memory, .. } = self;
+        gaps.place(&averaged.coarse, &averaged.memory.sweep, coarse, tables);
+        memory.drive.tensions.clone_from(&averaged.memory.drive.tensions);
+        memory.drive.taut.clone_from(&averaged.memory.drive.taut);
+        memory.sweep.factored = None;
+        let equations = Equations { robot, chain, tables, factor: 1.0 };
+        equations.place(&mut memory.sweep, &mut memory.drive, coarse);
+        let Memory { sweep, linear, drive } = memory;
+        sweep.gradient(&equations.problem(&drive.tensions), coarse, &mut linear.downhill);
+        linear.downhill.negate();
+    }
+
+    /// Lets the nodes in the gaps give way to what they lack, as far as the averaged robot cannot take it over.
+    fn relax_gaps(&mut self, gaps: &mut Gaps, averaged: &Mesh) {
+        let Energy { tables, coarse, memory, .. } = self;
+        let Memory { sweep, linear, .. } = memory;
+        gaps.find_lacking(sweep, coarse, tables, &linear.downhill);
+        gaps.share(coarse, averaged);
+        gaps.give_way(coarse, sweep, tables);
+        coarse.find_bows(tables, &linear.downhill, &mut linear.bows);
+        coarse.take_bows(&linear.bows);
+    }
+}
+
+impl Search<'_> {
+    /// Whether the averaged robot may stand for the one with guides.
+    fn may_average(&self) -> bool {
+        self.settings.tolerance >= FINE_TOLERANCE
+            && self.settings.largest_load_step == 1.0
+            && self.bows_alone()
+            && !self.chain.follower
+    }
+
+    /// The equilibrium by way of the averaged robot; None where that does not surely lead to it.
+    pub(super) fn by_averaging(&mut self, start: Start) -> Option<Found> {
+        let averages = self.may_average() && !matches!(start, Start::Shape(_));
+        let mut averaged = match self.energy.averaged.take() {
+            None if !averages => return None,
+            of_before => of_before.unwrap_or_default(),
+        };
+        averaged.holds_solution = false;
+        let found = if averages { self.find_averaged(&mut averaged, start) } else { None };
+        if found.is_none() {
+            averaged.measured = None;
+        }
+        self.energy.averaged = Some(averaged);
+        found
+    }
+
+    fn find_averaged(&mut self, averaged: &mut Averaged, start: Start) -> Option<Found> {
+        let Averaged { chain, energy, measured, gaps, holds_solution } = averaged;
+        // stations and the eigenvalue are those of the gaps
+        let in_gaps = self.settings.stations > 0 || self.settings.eigenvalue;
+        let mut end = None;
+        if matches!(start, Start::Last { changed: false })
+            && energy.memory.drive.is_of(self.robot)
+            && let Some(measured) = &*measured
+        {
+            let mut search = Search::new(energy, self.robot, chain, self.settings);
+            end = search.averaged_nearby();
+            self.iterations += search.iterations;
+            if let Some(end) = end.filter(|_| !in_gaps) {
+                let moved = search.energy.coarse.turned_from(&measured.averaged);
+                let grown = OF_DRIFT * measured.drift * moved + end.residual * self.chain.length;
+                let error_estimate = measured.error_estimate + grown;
+                if error_estimate <= self.settings.tolerance * self.chain.length {
+                    *holds_solution = true;
+                    return search.judge_averaged(end, error_estimate, self.iterations);
+                }
+            }
+        }
+        if end.is_none() {
+            *measured = None;
+            chain.rebuild_averaged(self.robot);
+        }
+        let mut search = Search::new(energy, self.robot, chain, self.settings);
+        if end.is_none() {
+            search.averaged_from_rest()?;
+        }
+        // factors of other loads tell nothing of the stability under these
+        let of_these_loads = end.is_none_or(|end: Converged| end.moved.is_finite());
+        let (mut end, now) = self.measure(&mut search, gaps, measured.take())?;
+        self.iterations += search.iterations;
+        if of_these_loads {
+            end.moved = search.energy.memory.sweep.moved;
+        }
+        let error_estimate = now.error_estimate;
+        *measured = Some(now);
+        if in_gaps {
+            self.energy.place_gaps(self.robot, self.chain, gaps, search.energy);
+            self.energy.coarse.find_middles(&self.energy.memory.sweep, &self.energy.tables);
+            return self.judge(Converged { moved: f64::INFINITY, ..end }, error_estimate, None).ok();
+        }
+        *holds_solution = true;
+        search.judge_averaged(end, error_estimate, self.iterations)
+    }
+
+    /// Measures what averaging leaves out until neither shape answers any more; `before` where that was done at a shape nearby.
+    fn measure(
+        &mut self,
+        averaged: &mut Search,
+        gaps: &mut Gaps,
+        before: Option<Measured>,
+    ) -> Option<(Converged, Measured)> {
+        let (length, asked) = (self.chain.length, self.settings.tolerance * self.chain.length);
+        // gaps that are cut bend least evenly
+        let mut points = FEWEST + usize::from(self.chain.spans.len() + 1 > self.chain.plates.len());
+        if before.is_none() {
+            self.begin_gaps(averaged, gaps, points)?;
+        }
+        let mut now = before.clone().unwrap_or_default();
+        let (mut left_out, mut last): (f64, Option<f64>) = (0.0, None);
+        let held = !self.energy.memory.drive.held.is_empty();
+        let lag = if held { LAG_OF_HELD } else { LAG };
+        for _ in 0..MOST_ROUNDS {
+            self.energy.place_gaps(self.robot, self.chain, gaps, averaged.energy);
+            let of_points = self.energy.error_of_points(&averaged.energy.coarse) * length;
+            if of_points > OF_POINTS * asked {
+                points += 1;
+                if points > MOST_POINTS || before.is_some() {
+                    return None;
+                }
+                self.begin_gaps(averaged, gaps, points)?;
+                continue;
+            }
+            self.energy.relax_gaps(gaps, &averaged.energy.coarse);
+            let Energy { coarse, memory, .. } = &mut *averaged.energy;
+            gaps.leave_out(coarse);
+            let lengths = &self.energy.memory.drive;
+            memory.drive.home.clone_from(&lengths.home);
+            memory.drive.take_lengths(&lengths.lengths);
+            now.averaged.clone_from(coarse);
+            let offset = self.energy.coarse.tip() - now.averaged.tip();
+            let end = averaged.newton_here(Begin::Placed).ok()?;
+            let answer = (averaged.energy.coarse.tip() - now.averaged.tip()).norm();
+            let seen = answer + (offset - now.offset).norm();
+            let change = seen.max(last.map_or(0.0, |last| lag * last));
+            let net = (averaged.energy.coarse.tip() - now.averaged.tip() + offset - now.offset).norm();
+            now.offset = offset;
+            left_out += net + OF_CHANGE * seen;
+            let slower = last.map_or(if held { 1.0 } else { 0.0 }, |last| change / last);
+            let slower = slower.max(1.0 / LARGEST_REDUCTION);
+            last = Some(change);
+            now.error_estimate = of_points + SAFETY * slower * change + end.residual * length;
+            if now.error_estimate <= asked {
+                let bend = now.averaged.bend();
+                now.drift = match &before {
+                    None if held => f64::INFINITY,
+                    None => left_out / bend,
+                    Some(before) => {
+                        let moved = now.averaged.turned_from(&before.averaged);
+                        let floor = if before.drift.is_finite() { LEAST_DRIFT * before.drift } else { 0.0 };
+                        (left_out / moved.max(LEAST_MOVED * bend)).max(floor)
+                    }
+                };
+                self.energy.coarse.find_middles(&self.energy.memory.sweep, &self.energy.tables);
+                let of = |energy: &Energy, chain| energy.largest(self.robot, chain, &now.averaged);
+                let of_averaged = of(averaged.energy, averaged.chain);
+                let pairs = of(self.energy, self.chain).into_iter().zip(of_averaged);
+                now.more = pairs.map(|(gaps, of)| gaps.over(&of)).collect();
+                return Some((end, now));
+            }
+        }
+        None
+    }
+
+    /// Lays panels of so many points in the gaps, and lets these give way as far as they do without moving anything. None where they turn
+    /// too far.
+    fn begin_gaps(&mut self, averaged: &Search, gaps: &mut Gaps, points: usize) -> Option<()> {
+        self.energy.layouts.clear();
+        self.energy.layouts.resize(self.chain.spans.len(), Layout { parts: 1, points });
+        self.lay();
+        // of this mesh by itself nothing is known
+        self.energy.seen = Seen { error_estimate: f64::INFINITY, ..Seen::default() };
+        self.energy.coarse.bows = true;
+        gaps.lay(&self.energy.coarse, &averaged.energy.coarse, &self.energy.tables);
+        self.energy.place_gaps(self.robot, self.chain, gaps, averaged.energy);
+        let turn = self.energy.coarse.largest_turn(&self.energy.tables);
+        self.energy.relax_gaps(gaps, &averaged.energy.coarse);
+        (turn <= MOST_TURNED).then_some(())
+    }
+
+    /// The averaged robot from rest, on its first mesh.
+    fn averaged_from_rest(&mut self) -> Option<Converged> {
+        if self.start_at_once() { self.last } else { None }
+    }
+
+    /// The same from its last solution.
+    fn averaged_nearby(&mut self) -> Option<Converged> {
+        let Energy { coarse, reached, .. } = &mut *self.energy;
+        reached.rotations.clone_from(&coarse.rotations);
+        let begin = self.begin_nearby(true);
+        let before = self.iterations;
+        let end = self.newton_here(begin).ok()?;
+        self.judge_factors(&end, self.iterations - before);
+        (!self.strayed(&end)).then_some(end)
+    }
+
+    fn judge_averaged(&mut self, end: Converged, error_estimate: f64, iterations: usize) -> Option<Found> {
+        self.iterations = iterations;
+        self.judge(end, error_estimate, None).ok()
+    }
+}
+
+impl Energy {
+    /// By what part of the length points and bows may leave the tip off, theory (69).
+    fn error_of_points(&self, averaged: &Mesh) -> f64 {
+        let turn_squared = self.coarse.largest_turn(&self.tables).powi(2);
+        let [of_bows, of_top] = self.coarse.energy_of_highest(&self.tables, &self.memory.sweep);
+        OF_ENERGY * turn_squared * larger(of_bows, OF_TOP * turn_squared * of_top) * averaged.bend()
+    }
+}
+
+impl Mesh {
+    fn tip(&self) -> Vector3<f64> {
+        self.positions[self.panels.len()]
+    }
+
+    /// Bound of the largest turn between the cuts of two shapes, of up to a right angle.
+    fn turned_from(&self, other: &Mesh) -> f64 {
+        let turn = |(a, b): (&Matrix3<f64>, &Matrix3<f64>)| (a - b).norm_squared();
+        (0.5 * self.rotations.iter().zip(&other.rotations).map(turn).fold(0.0, larger)).sqrt()
+    }
+
+    /// Sum of the panels' turns, rad.
+    fn bend(&self) -> f64 {
+        let turn = |pair: &[Matrix3<f64>]| rotation_vector(&pair[0].tr_mul(&pair[1])).norm();
+        self.rotations.windows(2).map(turn).sum::<f64>().max(f64::MIN_POSITIVE)
+    }
+
+    /// Elastic energy of the bows, and of the highest coefficient that the points see, over the whole.
+    fn energy_of_highest(&self, tables: &Tables, sweep: &Sweep) -> [f64; 2] {
+        let (mut of_bows, mut of_top, mut whole) = (0.0, 0.0, f64::MIN_POSITIVE);
+        for panel in &self.panels {
+            let (table, points) = (tables.of(panel.nodes.len()), panel.nodes.len());
+            let stiffness = &self.data[panel.nodes.start].bend;
+            let of = |u: &Vector3<f64>| u.dot(&stiffness.component_mul(u));
+            of_bows += panel.length / (2 * points + 1) as f64 * of(&panel.bow);
+            let mut top = Vector3::zeros();
+            for (node, value) in panel.nodes.clone().zip(&table.top_of_rate) {
+                let u = &sweep.shapes[node].u;
+                whole += self.data[node].weight * of(u);
+                top += *value * u;
+            }
+            of_top += panel.length / (2 * points - 1) as f64 * of(&top);
+        }
+        [of_bows / whole, of_top / whole]
+    }
+}
