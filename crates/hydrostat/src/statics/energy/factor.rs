@@ -46,8 +46,8 @@ impl Carried {
 }
 
 impl Sweep {
-    /// The energy's gradient at the placed shape. Returns the largest in units of stiffness / length.
-    pub(super) fn gradient(&mut self, problem: &Problem, mesh: &Mesh, gradient: &mut Column) -> f64 {
+    /// The energy's gradient at the placed shape.
+    pub(super) fn gradient(&mut self, problem: &Problem, mesh: &Mesh, gradient: &mut Column) {
         gradient.clear_but_nodes(mesh);
         gradient.nodes.clear();
         self.locals.clear();
@@ -70,7 +70,6 @@ impl Sweep {
             gradient.nodes.push(local.gradient(data, shape));
             self.locals.push(local);
         }
-        let mut residual = 0.0;
         let mut slope = Vector3::zeros();
         for k in (0..mesh.panels.len()).rev() {
             let panel = &mesh.panels[k];
@@ -87,12 +86,20 @@ impl Sweep {
             self.panels[k].slope = slope;
             let end = &self.panels[k].end;
             let forms = &gradient.nodes[panel.nodes.clone()];
-            residual =
-                larger(residual, turns_residual(panel, problem.tables.of(forms.len()), end, &slope, forms));
             slope = end.across.tr_mul(&slope) + forms.iter().map(|form| form.start).sum::<Vector3<f64>>();
             if let Some((front, _)) = gap.filter(|(_, panels)| panels.start == k) {
                 slope += front.first_plate;
             }
+        }
+    }
+
+    /// The largest of [`Sweep::gradient`], in units of stiffness / length.
+    pub(super) fn largest_of(&self, problem: &Problem, mesh: &Mesh, gradient: &Column) -> f64 {
+        let mut residual = 0.0;
+        for (panel, PanelFront { end, slope, .. }) in mesh.panels.iter().zip(&self.panels) {
+            let forms = &gradient.nodes[panel.nodes.clone()];
+            let of_turns = turns_residual(panel, problem.tables.of(forms.len()), end, slope, forms);
+            residual = larger(residual, of_turns);
         }
         let unit = problem.chain.length / problem.chain.stiffness;
         for (data, form) in mesh.data.iter().zip(&gradient.nodes) {

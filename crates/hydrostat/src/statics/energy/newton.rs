@@ -130,7 +130,9 @@ impl Equations<'_> {
     pub(super) fn evaluate_placed(&self, memory: &mut Memory, mesh: &Mesh) -> f64 {
         let Memory { sweep, linear, drive } = memory;
         drive.apply(self.robot, self.factor);
-        let residual = sweep.gradient(&self.problem(&drive.tensions), mesh, &mut linear.downhill);
+        let problem = self.problem(&drive.tensions);
+        sweep.gradient(&problem, mesh, &mut linear.downhill);
+        let residual = sweep.largest_of(&problem, mesh, &linear.downhill);
         linear.downhill.negate();
         residual
     }
@@ -145,7 +147,9 @@ impl Equations<'_> {
     /// What is left of the equations at the placed shape.
     pub(super) fn residual(&self, memory: &mut Memory, mesh: &Mesh) -> f64 {
         let Memory { sweep, linear, drive } = memory;
-        let mut residual = sweep.gradient(&self.problem(&drive.tensions), mesh, &mut linear.downhill);
+        let problem = self.problem(&drive.tensions);
+        sweep.gradient(&problem, mesh, &mut linear.downhill);
+        let mut residual = sweep.largest_of(&problem, mesh, &linear.downhill);
         for (&tendon, &taut) in drive.held.iter().zip(&drive.taut) {
             let excess = drive.excess(self.robot, tendon, self.factor);
             residual =
