@@ -200,6 +200,92 @@ fn bows_of_one_robot_are_not_taken_for_those_of_another() {
     }
 }
 
+/// To 1e-6 robots with guides are found by way of averaged gaps, under other commands without the gaps: tip, lengths, strain and the stations
+/// between are those of the gaps all the same.
+#[test]
+fn averaged_gaps_tell_what_the_gaps_do() {
+    const SCR: &str = include_str!("../../../robots/scr.toml");
+    const RAO: &str = include_str!("../../../robots/rao2021.toml");
+    let pulled = |tension: f64| Command::Tension { tension, motion: Motion::Pulled };
+    let scr = |change: fn(&mut Robot)| {
+        let mut robot = commanded(SCR, [5.0, 2.0, 1.0].map(pulled));
+        change(&mut robot);
+        robot
+    };
+    let tip = |robot: &Robot, force: [f64; 3], moment: f64| {
+        let (at, moment) = (robot.length(), moment * Vector3::z());
+        load(LoadKind::Point { at, force: force.into(), moment, frame: Frame::World })
+    };
+    let mut sideways = scr(|_| ());
+    sideways.loads.push(tip(&sideways, [0.1, 0.05, -0.1], 0.0));
+    let mut twisted = scr(|_| ());
+    twisted.loads.push(tip(&twisted, [0.0, 0.0, 0.05], 0.01));
+    let mut cut = sideways.clone();
+    cut.loads.push(load(LoadKind::Point {
+        at: 0.017,
+        force: Vector3::new(0.05, 0.2, -0.1),
+        moment: Vector3::zeros(),
+        frame: Frame::World,
+    }));
+    let mut held = sideways.clone();
+    for (command, mm) in held.actuation.iter_mut().zip([4.0, -1.0, -2.0]) {
+        *command = Command::Displacement { displacement: 1e-3 * mm, motion: Motion::Pulled };
+    }
+    let robots = [
+        ("rao", parse_robot(RAO, "rao2021.toml").expect("is valid").value),
+        ("scr", scr(|_| ())),
+        ("sideways", sideways),
+        ("twisted", twisted),
+        ("a load within a gap", cut),
+        ("held", held),
+        ("fewer guides", scr(|robot| guide(robot, |k| 0.03 * (k + 1) as f64, 10))),
+        ("uneven", scr(|robot| guide(robot, |k| 0.015 * (k + 1) as f64 + 2e-3 * ((k % 3) as f64 - 1.0), 19))),
+    ];
+    let to = |tolerance, stations| Settings { tolerance, stations, ..settings(Method::Energy) };
+    for (what, robot) in &robots {
+        let (mut workspace, mut robot, length) = (Workspace::default(), robot.clone(), robot.length());
+        for (round, more) in [1.0, 1.01, 1.01, 0.97, 1.1, 0.99].into_iter().enumerate() {
+            for command in &mut robot.actuation {
+                match command {
+                    Command::Tension { tension, .. } => *tension *= more,
+                    Command::Displacement { displacement, .. } => *displacement *= more,
+                }
+            }
+            let exact = solve(&robot, &to(1e-10, 21)).expect("has an answer");
+            let near = solve_near(&robot, &to(1e-6, 0), &mut workspace).expect("has an answer");
+            let off = (near.tip.position - exact.tip.position).norm() / length;
+            let estimate = near.report.error_estimate / length;
+            assert!(off <= 1e-6 && estimate <= 1e-6, "{what} {round}: {off:.1e}, estimate {estimate:.1e}");
+            assert_eq!(near.report.stable, exact.report.stable, "{what} {round}");
+            for (near, exact) in near.tendons.iter().zip(&exact.tendons) {
+                let off = (near.displacement - exact.displacement).abs() / length;
+                assert!(off <= 1e-6, "{what} {round}: displacement {off:.1e}");
+            }
+            for exact in &exact.stations {
+                let near = workspace.station(&robot, exact.s).expect("is on the backbone");
+                let off = (near.position - exact.position).norm() / length;
+                let bent = (near.u - exact.u).norm() * length;
+                assert!(off <= 2e-6 && bent <= 1e-3, "{what} {round} at {}: {off:.1e}, {bent:.1e}", exact.s);
+            }
+            let strain =
+                |of: &Equilibrium| of.checks.iter().find(|check| check.name == "strain").map(|c| c.value);
+            let (near, exact) = (strain(&near).expect("is checked"), strain(&exact).expect("is checked"));
+            assert!((near / exact - 1.0).abs() < 0.01, "{what} {round}: strain {near} {exact}");
+        }
+        // and with stations, of the gaps themselves
+        let exact = solve(&robot, &to(1e-10, 21)).expect("has an answer");
+        let whole = solve(&robot, &to(1e-6, 21)).expect("has an answer");
+        let off = distance(&whole, &exact, length);
+        assert!(off <= 1e-6, "{what}: stations {off:.1e}");
+    }
+}
+
+fn guide(robot: &mut Robot, at: impl Fn(usize) -> f64, count: usize) {
+    let guides = robot.sections[0].guides.as_mut().expect("has guides");
+    guides.positions = (0..count).map(at).chain([0.3]).collect();
+    guides.positions.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+}
+
 #[test]
 fn a_refusal_leaves_a_workspace_that_still_works() {
     let robot = thesis_rod(1.0, 0.02);

@@ -68,8 +68,11 @@ impl Collocation {
             })
             .collect();
         let before = |t: &f64| legendre_polynomial(count - 1, 2.0 * t - 1.0).0;
-        let top_of_rate =
-            points.iter().zip(&weights).map(|(t, weight)| (2 * count - 1) as f64 * weight * before(t)).collect();
+        let top_of_rate = points
+            .iter()
+            .zip(&weights)
+            .map(|(t, weight)| (2 * count - 1) as f64 * weight * before(t))
+            .collect();
         let bow = points.iter().map(|t| -before(t) / (2 * (2 * count + 1)) as f64).collect();
         let mut table = Collocation {
             points,

@@ -130,6 +130,15 @@ impl Chain {
         self.plates.clear();
     }
 
+    /// Whether every span is a gap between guides, and those of a section are equally long.
+    pub(super) fn has_even_gaps(&self) -> bool {
+        let even = |pair: &[Span]| {
+            let [a, b] = [&pair[0], &pair[1]].map(|span| span.to - span.from);
+            pair[0].section != pair[1].section || (a - b).abs() <= SAME_GAP * a
+        };
+        self.spans.len() + 1 == self.plates.len() && self.spans.windows(2).all(even)
+    }
+
     pub(super) fn is_averaged(&self) -> bool {
         self.averaged
     }
@@ -208,7 +217,9 @@ impl Chain {
         cuts.push(0.0);
         let mut end = 0.0;
         for section in &robot.sections {
-            if let Some(guides) = section.guides.as_ref().filter(|guides| guides.mass != 0.0 && !self.averaged) {
+            if let Some(guides) =
+                section.guides.as_ref().filter(|guides| guides.mass != 0.0 && !self.averaged)
+            {
                 cuts.extend(guides.positions.iter().map(|position| end + position));
             }
             end += section.length;
@@ -422,7 +433,8 @@ impl Span {
     pub(super) fn bound_of_angle(&self, robot: &Robot, pull: f64) -> f64 {
         let following = self.following_beyond + (self.to - self.from) * self.following_force.norm();
         let force = self.dead_force(robot, self.from).norm() + self.force_beyond.norm() + following;
-        let flexibility = self.compliance(robot, self.from).1.amax() + self.compliance(robot, self.to).1.amax();
+        let flexibility =
+            self.compliance(robot, self.from).1.amax() + self.compliance(robot, self.to).1.amax();
         (force * flexibility).sqrt() + pull * flexibility
     }
 
@@ -546,5 +558,7 @@ const GAUSS: [(f64, f64); 8] = [
     (0.8983332387068134, 0.11119051722668725),
     (0.9801449282487682, 0.05061426814518815),
 ];
+/// Part of a gap by which the next may be longer or shorter.
+const SAME_GAP: f64 = 1e-3;
 /// Breakpoints closer than this fraction of the length are one.
 const SAME_PLACE: f64 = 1e-12;

@@ -162,8 +162,7 @@ impl Stiffened {
         let even = 1.0 - g * square;
         let slope = pull.slope(v, u, t);
         let outer = |scale: f64, a: &Vector3<f64>, b: &Vector3<f64>| scale * a * b.transpose();
-        let b = Matrix3::from_diagonal_element(g * along) - hat(&(even * pull.hole))
-            + outer(g, u, &q)
+        let b = Matrix3::from_diagonal_element(g * along) - hat(&(even * pull.hole)) + outer(g, u, &q)
             - outer(2.0 * g, &p, u);
         let b_u = even * pull.hole.cross(u) + g * square * q - g * along * u;
         self.v_v += Matrix3::from_diagonal_element(across * even * even)
@@ -172,8 +171,7 @@ impl Stiffened {
         self.v_u += across * even * b + outer(across * g, u, &b_u) - outer(across, &slope.v, &slope.u)
             + tension * g * turning(u, t);
         // d(t . S p)/du at fixed t twice
-        let of_hole = u.dot(t) * hat(&pull.hole)
-            + pull.hole.cross(u) * t.transpose()
+        let of_hole = u.dot(t) * hat(&pull.hole) + pull.hole.cross(u) * t.transpose()
             - 2.0 * pull.hole.cross(t) * u.transpose();
         let twice = of_hole + p * t.transpose() - Matrix3::from_diagonal_element(t.dot(&p));
         self.u_u += across * b.tr_mul(&b) - outer(across, &slope.u, &slope.u)

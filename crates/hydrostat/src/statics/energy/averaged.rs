@@ -19,7 +19,7 @@ const MOST_TURNED: f64 = 0.3;
 const MOST_ROUNDS: usize = 8;
 const LARGEST_REDUCTION: f64 = 10.0;
 /// Part of one change that may not be seen in the next: the tensions of held tendons follow a turn later.
-const LAG: f64 = 0.03;
+const LAG: f64 = 0.1;
 const LAG_OF_HELD: f64 = 0.3;
 /// Points in a gap at most, and the part of the tolerance that what these leave out may take.
 const MOST_POINTS: usize = 4;
@@ -130,6 +130,7 @@ impl Search<'_> {
             && self.settings.largest_load_step == 1.0
             && self.bows_alone()
             && !self.chain.follower
+            && self.chain.has_even_gaps()
     }
 
     /// The equilibrium by way of the averaged robot; None where that does not surely lead to it.
@@ -204,8 +205,7 @@ impl Search<'_> {
         before: Option<Measured>,
     ) -> Option<(Converged, Measured)> {
         let (length, asked) = (self.chain.length, self.settings.tolerance * self.chain.length);
-        // gaps that are cut bend least evenly
-        let mut points = FEWEST + usize::from(self.chain.spans.len() + 1 > self.chain.plates.len());
+        let mut points = FEWEST;
         if before.is_none() {
             self.begin_gaps(averaged, gaps, points)?;
         }
@@ -239,7 +239,9 @@ impl Search<'_> {
             let net = (averaged.energy.coarse.tip() - now.averaged.tip() + offset - now.offset).norm();
             now.offset = offset;
             left_out += net + OF_CHANGE * seen;
-            let slower = last.map_or(if held { 1.0 } else { 0.0 }, |last| change / last);
+            // what the nodes give way by at first shows in the next turn only
+            let first = if held || before.is_some() { 1.0 } else { 0.0 };
+            let slower = last.map_or(first, |last| change / last);
             let slower = slower.max(1.0 / LARGEST_REDUCTION);
             last = Some(change);
             now.error_estimate = of_points + SAFETY * slower * change + end.residual * length;

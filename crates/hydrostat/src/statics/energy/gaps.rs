@@ -85,7 +85,8 @@ impl Gaps {
             for (local, form) in forms.iter().enumerate() {
                 turns[local] += form.turn + table.end[local] * end;
                 let rate = form.rate / panel.length;
-                for (turn, d) in turns.iter_mut().zip(&table.derivative[local * points..(local + 1) * points]) {
+                for (turn, d) in turns.iter_mut().zip(&table.derivative[local * points..(local + 1) * points])
+                {
                     *turn += *d * rate;
                 }
             }
@@ -157,4 +158,56 @@ impl Gaps {
 fn inverse_jacobian(w: &Vector3<f64>, a: &Vector3<f64>) -> Vector3<f64> {
     let across = w.cross(a);
     a + 0.5 * across + w.cross(&across) / 12.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Routing;
+    use crate::statics::chain::Chain;
+    use crate::statics::energy::mesh::Layout;
+    use crate::statics::energy::sweep::{Problem, Step};
+    use crate::statics::energy::tests::{energy, robot};
+
+    /// Any change of the strains changes the energy by what they fall short by.
+    #[test]
+    fn what_the_strains_lack_is_the_slope_of_the_energy() {
+        let robot = robot(&[Routing::Guides; 2]);
+        let (mut chain, tables) = (Chain::default(), Tables::default());
+        chain.rebuild(&robot);
+        let (mut mesh, mut sweep, mut downhill) = (Mesh::default(), Sweep::default(), Column::default());
+        let layouts: Vec<Layout> = chain.spans.iter().map(|_| Layout { parts: 4, points: 3 }).collect();
+        mesh.rebuild(&robot, &chain, &layouts, &tables);
+        for (i, (turn, v)) in mesh.turn.iter_mut().zip(&mut mesh.v).enumerate() {
+            let phase = i as f64;
+            *turn += 0.03 * Vector3::new(phase.sin(), (1.7 * phase).cos(), (2.3 * phase).sin());
+            *v += 0.05 * Vector3::new((0.7 * phase).cos(), (1.1 * phase).sin(), (1.9 * phase).cos());
+        }
+        let (factor, gravity) = (0.9, robot.gravity);
+        let problem = Problem { chain: &chain, tables: &tables, factor, gravity, tensions: &[1.0, 2.0] };
+        sweep.place(&mut mesh, &tables);
+        sweep.gradient(&problem, &mesh, &mut downhill);
+        downhill.negate();
+        let mut gaps = Gaps::default();
+        gaps.find_lacking(&sweep, &mesh, &tables, &downhill);
+
+        let du = |node: usize| Vector3::new((0.9 * node as f64).sin(), (2.1 * node as f64).cos(), 0.3);
+        let mut step = Step { turn: mesh.turn.clone(), v: mesh.v.clone(), ..Step::default() };
+        let mut fallen = 0.0;
+        for panel in &mesh.panels {
+            let rows = tables.of(panel.nodes.len()).to_point.chunks_exact(panel.nodes.len());
+            for (row, node) in rows.zip(panel.nodes.clone()) {
+                let bends: Vec<_> =
+                    panel.nodes.clone().map(|of| sweep.shapes[of].rotation * du(of)).collect();
+                let turned = sweep.shapes[node].rotation.tr_mul(&(panel.length * weighted(row, &bends)));
+                step.turn[node] = sweep.shapes[node].jacobian.try_inverse().expect("is regular") * turned;
+                step.v[node] = 0.1 * du(node).yzx();
+                let [force, moment] = gaps.lacking[node];
+                fallen += mesh.data[node].weight * (force.dot(&step.v[node]) + moment.dot(&du(node)));
+            }
+        }
+        let mut at = |h: f64| energy(&problem, &mesh, &mut Sweep::default(), &step, h);
+        let slope = (at(1e-4) - at(-1e-4)) / 2e-4;
+        assert!((slope + fallen).abs() < 1e-6 * slope.abs(), "{slope} {fallen}");
+    }
 }

@@ -68,7 +68,9 @@ impl Search<'_> {
     /// Refuses what would wind the robot up, before it costs memory and time.
     pub(super) fn refuse_too_much(&self) -> Result<(), Error> {
         let pull = |(tendon, command): (&Tendon, &Command)| match command {
-            Command::Tension { tension, .. } => tension.abs() * tendon.path.radius.max(tendon.path.tip_radius),
+            Command::Tension { tension, .. } => {
+                tension.abs() * tendon.path.radius.max(tendon.path.tip_radius)
+            }
             Command::Displacement { .. } => 0.0,
         };
         let pull: f64 = self.robot.tendons.iter().zip(&self.robot.actuation).map(pull).sum();

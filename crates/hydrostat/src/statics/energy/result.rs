@@ -2,8 +2,8 @@
 
 use super::mesh::Passing;
 use super::node::Shape;
-use super::{Averaged, Energy};
 use super::search::LARGEST_TURN;
+use super::{Averaged, Energy};
 use crate::model::Routing;
 use crate::solution::{Station, TendonState};
 use crate::statics::chain::{Chain, POINTS, Span, Step};

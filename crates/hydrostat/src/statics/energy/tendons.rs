@@ -124,7 +124,9 @@ pub(super) fn measure(mesh: &Mesh, sweep: &Sweep, lengths: &mut Vec<f64>, count:
     lengths.clear();
     lengths.resize(count, 0.0);
     for data in &mesh.data {
-        for (passing, path) in mesh.passing[data.passing.clone()].iter().zip(&sweep.paths[data.passing.clone()]) {
+        for (passing, path) in
+            mesh.passing[data.passing.clone()].iter().zip(&sweep.paths[data.passing.clone()])
+        {
             lengths[passing.tendon] += data.weight * path.speed;
         }
     }

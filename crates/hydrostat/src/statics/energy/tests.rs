@@ -18,7 +18,7 @@ const LEFT_OF_FIRST: f64 = 1e-7;
 const LEFT_OF_SECOND: f64 = 1e-5;
 
 /// A tapered rod of stiffness near 1 with helical tendons in channels and straight ones between guides, which all weigh.
-fn robot(routed: &[Routing]) -> Robot {
+pub(super) fn robot(routed: &[Routing]) -> Robot {
     let mut robot = tapered_rod(false);
     robot.loads.retain(|load| matches!(load.kind, LoadKind::Distributed { frame: Frame::World, .. }));
     for load in &mut robot.loads {
@@ -55,7 +55,7 @@ fn robot(routed: &[Routing]) -> Robot {
 }
 
 /// Energy at a multiple of a step from the mesh's shape.
-fn energy(problem: &Problem, mesh: &Mesh, sweep: &mut Sweep, step: &Step, scale: f64) -> f64 {
+pub(super) fn energy(problem: &Problem, mesh: &Mesh, sweep: &mut Sweep, step: &Step, scale: f64) -> f64 {
     let mut moved = mesh.clone();
     moved.turn.iter_mut().zip(&step.turn).for_each(|(turn, change)| *turn += scale * change);
     moved.v.iter_mut().zip(&step.v).for_each(|(v, change)| *v += scale * change);
