@@ -46,7 +46,7 @@ impl Pull {
         if self.gap == 0.0 {
             return Slope { v: *t, u: self.hole.cross(t) };
         }
-        let across = t + self.gap * u.cross(&u.cross(&t));
+        let across = t + self.gap * u.cross(&u.cross(t));
         let p = v + u.cross(&self.hole) + self.along;
         // d(t . u x (u x p))/du at fixed t and p
         let turning = u.dot(&p) * t + u.dot(t) * p - (2.0 * t.dot(&p)) * u;

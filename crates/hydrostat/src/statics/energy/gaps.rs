@@ -206,7 +206,7 @@ mod tests {
                 fallen += mesh.data[node].weight * (force.dot(&step.v[node]) + moment.dot(&du(node)));
             }
         }
-        let mut at = |h: f64| energy(&problem, &mesh, &mut Sweep::default(), &step, h);
+        let at = |h: f64| energy(&problem, &mesh, &mut Sweep::default(), &step, h);
         let slope = (at(1e-4) - at(-1e-4)) / 2e-4;
         assert!((slope + fallen).abs() < 1e-6 * slope.abs(), "{slope} {fallen}");
     }
