@@ -3,7 +3,7 @@
 use hydrostat::description::{builtin, parse_robot};
 use hydrostat::model::{Command, CrossSection, Frame, Load, LoadKind, Motion, Routing};
 use hydrostat::solution::Method;
-use hydrostat::statics::{Settings, Workspace, solve, solve_near};
+use hydrostat::statics::{Input, Settings, Workspace, derivatives, solve, solve_near};
 use hydrostat::validate::robustness;
 use hydrostat::{Equilibrium, Robot};
 use nalgebra::{Rotation3, Vector3};
@@ -278,6 +278,51 @@ fn averaged_gaps_tell_what_the_gaps_do() {
         let off = distance(&whole, &exact, length);
         assert!(off <= 1e-6, "{what}: stations {off:.1e}");
     }
+}
+
+/// What is read between two solves, or asked for by one, moves the gaps; what was left out at rest or under small tensions tells nothing of
+/// large ones.
+#[test]
+fn averaged_gaps_are_where_they_were_read_last() {
+    const SCR: &str = include_str!("../../../robots/scr.toml");
+    let at = |tensions: [f64; 3]| {
+        let pulled = |tension| Command::Tension { tension, motion: Motion::Pulled };
+        let mut robot = commanded(SCR, tensions.map(pulled));
+        let force = Vector3::new(0.1, 0.05, -0.1);
+        let kind =
+            LoadKind::Point { at: robot.length(), force, moment: Vector3::zeros(), frame: Frame::World };
+        robot.loads.push(load(kind));
+        robot
+    };
+    let to = |tolerance, stations| Settings { tolerance, stations, ..settings(Method::Energy) };
+    let mut workspace = Workspace::default();
+    let mut check = |what: &str, tensions: [f64; 3], stations: usize, reads: bool| {
+        let robot = at(tensions);
+        let near = solve_near(&robot, &to(1e-6, stations), &mut workspace).expect("has an answer");
+        let exact = solve(&robot, &to(1e-10, stations)).expect("has an answer");
+        let off = distance(&near, &exact, robot.length());
+        assert!(off <= 1e-6, "{what}: {off:.1e}, estimate {:.1e}", near.report.error_estimate);
+        if reads {
+            let inputs = Input::commands(&robot);
+            let near = derivatives(&robot, &mut workspace, &[robot.length()], &inputs).expect("is regular");
+            let mut cold = Workspace::default();
+            solve_near(&robot, &to(1e-10, 0), &mut cold).expect("has an answer");
+            let exact = derivatives(&robot, &mut cold, &[robot.length()], &inputs).expect("is regular");
+            for (near, exact) in near.iter().zip(&exact) {
+                let (near, exact) = (near.poses[0].position, exact.poses[0].position);
+                assert!((near - exact).norm() <= 1e-4 * exact.norm(), "{what}: {near} {exact}");
+            }
+        }
+    };
+    check("at rest", [0.0; 3], 0, false);
+    check("little", [0.01, 0.0, 0.0], 0, false);
+    check("all alike", [4.0; 3], 0, false);
+    check("one", [5.0, 2.0, 1.0], 0, false);
+    check("one more", [5.05, 2.02, 1.01], 0, true);
+    check("after derivatives", [5.1, 2.04, 1.02], 0, false);
+    check("with stations", [5.15, 2.06, 1.03], 11, false);
+    check("after stations", [5.2, 2.08, 1.04], 0, true);
+    check("back", [5.1, 2.04, 1.02], 0, false);
 }
 
 fn guide(robot: &mut Robot, at: impl Fn(usize) -> f64, count: usize) {

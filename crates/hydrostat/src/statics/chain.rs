@@ -316,7 +316,7 @@ impl Chain {
         let mut section_start = 0.0;
         for (number, section) in robot.sections.iter().enumerate() {
             if let Some(guides) = section.guides.as_ref().filter(|guides| guides.mass != 0.0) {
-                if self.averaged {
+                if self.averaged && !guides.positions.is_empty() {
                     spread_guides(spans, robot, number, guides);
                     continue;
                 }

@@ -37,7 +37,7 @@ impl Search<'_> {
         self.is_nearby(&end).then_some(more)
     }
 
-    pub(super) fn is_nearby(&self, end: &Converged) -> bool {
+    fn is_nearby(&self, end: &Converged) -> bool {
         let turn = self.energy.coarse.largest_turn(&self.energy.tables);
         end.negative == 0 && turn <= LARGEST_TURN && !self.strayed(end)
     }

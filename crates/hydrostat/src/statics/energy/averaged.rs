@@ -1,7 +1,7 @@
 //! Robots with guides by way of the averaged robot, theory (67) to (69): it finds the shape, the gaps show what it leaves out.
 
 use super::gaps::Gaps;
-use super::mesh::{Layout, Mesh};
+use super::mesh::{Layout, Mesh, Panel};
 use super::newton::{Begin, Converged, Equations};
 use super::search::{FINE_TOLERANCE, Found, SAFETY, Search, Seen, Start};
 use super::sweep::Sweep;
@@ -28,24 +28,34 @@ const OF_POINTS: f64 = 0.25;
 /// coefficient that the points see per turn^2 more.
 const OF_ENERGY: f64 = 5.0;
 const OF_TOP: f64 = 5.0;
-/// Part of the drift without a second measurement that is assumed in any case, and the part of the bend from which on one tells it.
-const LEAST_DRIFT: f64 = 0.1;
 /// Part of what gaps and averaged robot do against each other that may come to light farther on.
 const OF_CHANGE: f64 = 0.2;
-/// Factor on it, for other directions than that in which it was seen.
+/// Factor on the drift, for other directions than that in which it was seen.
 const OF_DRIFT: f64 = 10.0;
+/// Part of the first drift that is assumed whatever a second measurement shows, and the part of the bend from which on one tells it.
+const LEAST_DRIFT: f64 = 0.1;
 const LEAST_MOVED: f64 = 1e-4;
+/// Part of the bend up to which what was left out is a start for the next measurement.
+const FARTHEST: f64 = 0.15;
+/// A robot that bends less, rad, has not shown how it drifts.
+const LEAST_BEND: f64 = 1e-3;
+/// Sum of the tensions times h^2/K up to which gaps are averaged; from pi^2 on a gap buckles.
+const MOST_SOFTENED: f64 = 6.0;
+/// Bending in the gaps may be so many times that of the averaged robot, and is compared where this is above so much of the largest.
+const MOST_MORE: f64 = 2.0;
+const NEXT_TO_NOTHING: f64 = 1e-3;
 
 /// What the averaged robot leaves out, as the gaps showed it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Measured {
-    /// Where the averaged robot stood, and the way from its tip to that of the gaps.
-    pub(super) averaged: Mesh,
+    /// Where the averaged robot stood, under which tensions, and the way from its tip to that of the gaps.
+    averaged: Mesh,
+    tensions: Vec<f64>,
     offset: Vector3<f64>,
     /// Largest bending in the gaps over that of the averaged robot, and distance of a tendon from its channel, per panel of that robot.
     pub(super) more: Vec<Largest>,
     error_estimate: f64,
-    /// How fast the error grows with the way from there, m/rad.
+    /// How fast the error grows with the way from there, as [`Measured::way`] tells, m/rad.
     drift: f64,
 }
 
@@ -57,12 +67,39 @@ pub(super) struct Largest {
 }
 
 impl Largest {
-    fn over(&self, other: &Self) -> Self {
-        let part = |of: f64, other: f64| if other > 0.0 { of / other } else { 1.0 };
+    /// Parts of another; 1 where that is next to nothing beside the largest of all.
+    fn over(&self, other: &Self, most: &Self) -> Self {
+        let part = |of: f64, other: f64, most: f64| {
+            if other > NEXT_TO_NOTHING * most { (of / other).clamp(1.0 / MOST_MORE, MOST_MORE) } else { 1.0 }
+        };
         Largest {
-            bending: part(self.bending, other.bending),
-            deviation: part(self.deviation, other.deviation),
+            bending: part(self.bending, other.bending, most.bending),
+            deviation: part(self.deviation, other.deviation, most.deviation),
         }
+    }
+
+    fn or(self, other: &Self) -> Self {
+        Largest {
+            bending: larger(self.bending, other.bending),
+            deviation: larger(self.deviation, other.deviation),
+        }
+    }
+}
+
+impl Measured {
+    /// How far a shape is from there, rad: by its turn, or by the part of the tensions that has changed, which bends the gaps apart.
+    fn way(&self, averaged: &Mesh, tensions: &[f64]) -> f64 {
+        let changes = tensions.iter().zip(&self.tensions).map(|(now, then)| (now - then).abs());
+        let (change, whole) = (changes.sum::<f64>(), self.tensions.iter().sum::<f64>());
+        let part = if change > 0.0 { change / whole } else { 0.0 };
+        averaged.turned_from(&self.averaged).max(part * self.averaged.bend())
+    }
+
+    /// The drift by what a measurement after the one before has brought to light, m.
+    fn drift_since(&self, before: &Self, left_out: f64) -> f64 {
+        let way = before.way(&self.averaged, &self.tensions).max(LEAST_MOVED * self.averaged.bend());
+        let floor = if before.drift.is_finite() { LEAST_DRIFT * before.drift } else { 0.0 };
+        (left_out / way).max(floor)
     }
 }
 
@@ -91,14 +128,15 @@ impl Energy {
     /// Brings the gaps to where the averaged robot stands, where that holds the last solution.
     pub(super) fn bring_gaps(&mut self, robot: &Robot, chain: &Chain) {
         let Some(mut averaged) = self.averaged.take() else { return };
-        if std::mem::take(&mut averaged.holds_solution) {
-            self.place_gaps(robot, chain, &averaged.gaps, &averaged.energy);
+        if std::mem::take(&mut averaged.holds_solution) && averaged.measured.is_some() {
+            let Averaged { gaps, energy, .. } = &mut *averaged;
+            self.place_gaps(robot, chain, gaps, energy);
         }
         self.averaged = Some(averaged);
     }
 
     /// Places the gaps beside the averaged robot, and finds the gradient there.
-    fn place_gaps(&mut self, robot: &Robot, chain: &Chain, gaps: &Gaps, averaged: &Energy) {
+    fn place_gaps(&mut self, robot: &Robot, chain: &Chain, gaps: &mut Gaps, averaged: &Energy) {
         let Energy { tables, coarse, memory, .. } = self;
         gaps.place(&averaged.coarse, &averaged.memory.sweep, coarse, tables);
         memory.drive.tensions.clone_from(&averaged.memory.drive.tensions);
@@ -135,22 +173,33 @@ impl Search<'_> {
 
     /// The equilibrium by way of the averaged robot; None where that does not surely lead to it.
     pub(super) fn by_averaging(&mut self, start: Start) -> Option<Found> {
-        let averages = self.may_average() && !matches!(start, Start::Shape(_));
+        // the last solution may be on another branch than the averaged robot finds
+        let led = self.energy.averaged.as_ref().is_some_and(|averaged| averaged.led);
+        let averages = self.may_average()
+            && match start {
+                Start::Rest => true,
+                Start::Last { .. } => led,
+                Start::Shape(_) => false,
+            };
+        if !averages && matches!(start, Start::Last { changed: false }) {
+            self.energy.bring_gaps(self.robot, self.chain);
+        }
         let mut averaged = match self.energy.averaged.take() {
             None if !averages => return None,
             of_before => of_before.unwrap_or_default(),
         };
         averaged.holds_solution = false;
         let found = if averages { self.find_averaged(&mut averaged, start) } else { None };
+        averaged.led = found.is_some();
         if found.is_none() {
-            averaged.measured = None;
+            (averaged.measured, averaged.holds_solution) = (None, false);
         }
         self.energy.averaged = Some(averaged);
         found
     }
 
     fn find_averaged(&mut self, averaged: &mut Averaged, start: Start) -> Option<Found> {
-        let Averaged { chain, energy, measured, gaps, holds_solution } = averaged;
+        let Averaged { chain, energy, measured, gaps, holds_solution, .. } = averaged;
         // stations and the eigenvalue are those of the gaps
         let in_gaps = self.settings.stations > 0 || self.settings.eigenvalue;
         let mut end = None;
@@ -161,9 +210,11 @@ impl Search<'_> {
             let mut search = Search::new(energy, self.robot, chain, self.settings);
             end = search.averaged_nearby();
             self.iterations += search.iterations;
+            let Energy { coarse, memory, .. } = &*search.energy;
+            let way = measured.way(coarse, &memory.drive.tensions);
+            end = end.filter(|_| way <= FARTHEST * measured.averaged.bend());
             if let Some(end) = end.filter(|_| !in_gaps) {
-                let moved = search.energy.coarse.turned_from(&measured.averaged);
-                let grown = OF_DRIFT * measured.drift * moved + end.residual * self.chain.length;
+                let grown = OF_DRIFT * measured.drift * way + end.residual * self.chain.length;
                 let error_estimate = measured.error_estimate + grown;
                 if error_estimate <= self.settings.tolerance * self.chain.length {
                     *holds_solution = true;
@@ -213,6 +264,9 @@ impl Search<'_> {
         let (mut left_out, mut last): (f64, Option<f64>) = (0.0, None);
         let held = !self.energy.memory.drive.held.is_empty();
         let lag = if held { LAG_OF_HELD } else { LAG };
+        if !self.is_stiff_in_gaps(&averaged.energy.memory.drive.tensions) {
+            return None;
+        }
         for _ in 0..MOST_ROUNDS {
             self.energy.place_gaps(self.robot, self.chain, gaps, averaged.energy);
             let of_points = self.energy.error_of_points(&averaged.energy.coarse) * length;
@@ -222,6 +276,7 @@ impl Search<'_> {
                     return None;
                 }
                 self.begin_gaps(averaged, gaps, points)?;
+                (left_out, last, now.offset) = (0.0, None, Vector3::zeros());
                 continue;
             }
             self.energy.relax_gaps(gaps, &averaged.energy.coarse);
@@ -231,9 +286,10 @@ impl Search<'_> {
             memory.drive.home.clone_from(&lengths.home);
             memory.drive.take_lengths(&lengths.lengths);
             now.averaged.clone_from(coarse);
+            now.tensions.clone_from(&memory.drive.tensions);
             let offset = self.energy.coarse.tip() - now.averaged.tip();
             let end = averaged.newton_here(Begin::Placed).ok()?;
-            let answer = (averaged.energy.coarse.tip() - now.averaged.tip()).norm();
+            let answer = averaged.energy.coarse.farthest_from(&now.averaged);
             let seen = answer + (offset - now.offset).norm();
             let change = seen.max(last.map_or(0.0, |last| lag * last));
             let net = (averaged.energy.coarse.tip() - now.averaged.tip() + offset - now.offset).norm();
@@ -246,25 +302,36 @@ impl Search<'_> {
             last = Some(change);
             now.error_estimate = of_points + SAFETY * slower * change + end.residual * length;
             if now.error_estimate <= asked {
-                let bend = now.averaged.bend();
                 now.drift = match &before {
-                    None if held => f64::INFINITY,
-                    None => left_out / bend,
-                    Some(before) => {
-                        let moved = now.averaged.turned_from(&before.averaged);
-                        let floor = if before.drift.is_finite() { LEAST_DRIFT * before.drift } else { 0.0 };
-                        (left_out / moved.max(LEAST_MOVED * bend)).max(floor)
-                    }
+                    // of tensions to be found, and of a straight robot, the first measurement tells too little
+                    None if held || now.averaged.bend() < LEAST_BEND => f64::INFINITY,
+                    None => left_out / now.averaged.bend(),
+                    Some(before) => now.drift_since(before, left_out),
                 };
-                self.energy.coarse.find_middles(&self.energy.memory.sweep, &self.energy.tables);
-                let of = |energy: &Energy, chain| energy.largest(self.robot, chain, &now.averaged);
-                let of_averaged = of(averaged.energy, averaged.chain);
-                let pairs = of(self.energy, self.chain).into_iter().zip(of_averaged);
-                now.more = pairs.map(|(gaps, of)| gaps.over(&of)).collect();
+                now.more = self.bent_more(averaged, &now.averaged);
                 return Some((end, now));
             }
         }
         None
+    }
+
+    /// How much more the gaps bend than the averaged robot, panel by panel.
+    fn bent_more(&mut self, averaged: &Search, panels: &Mesh) -> Vec<Largest> {
+        self.energy.coarse.find_middles(&self.energy.memory.sweep, &self.energy.tables);
+        let of = |energy: &Energy, chain| energy.largest(self.robot, chain, panels);
+        let of_averaged = of(averaged.energy, averaged.chain);
+        let most = of_averaged.iter().fold(Largest::default(), Largest::or);
+        let pairs = of(self.energy, self.chain).into_iter().zip(of_averaged);
+        pairs.map(|(gaps, of)| gaps.over(&of, &most)).collect()
+    }
+
+    /// Whether no gap is near to buckling between its guides, which the averaged robot would not show.
+    fn is_stiff_in_gaps(&self, tensions: &[f64]) -> bool {
+        let tension = tensions.iter().sum::<f64>();
+        let Energy { coarse, .. } = &*self.energy;
+        let softening =
+            |panel: &Panel| panel.length * panel.length * tension / coarse.data[panel.nodes.start].bend.min();
+        coarse.panels.iter().all(|panel| softening(panel) <= MOST_SOFTENED)
     }
 
     /// Lays panels of so many points in the gaps, and lets these give way as far as they do without moving anything. None where they turn
@@ -288,8 +355,15 @@ impl Search<'_> {
         if self.start_at_once() { self.last } else { None }
     }
 
-    /// The same from its last solution.
+    /// The same from its last solution, where the mesh of that will do.
     fn averaged_nearby(&mut self) -> Option<Converged> {
+        let laid = self.energy.layouts.clone();
+        self.first_layout();
+        let asked = std::mem::replace(&mut self.energy.layouts, laid);
+        let coarser = |(a, b): (&Layout, &Layout)| a.parts < b.parts || a.points < b.points;
+        if self.energy.layouts.iter().zip(&asked).any(coarser) {
+            return None;
+        }
         let Energy { coarse, reached, .. } = &mut *self.energy;
         reached.rotations.clone_from(&coarse.rotations);
         let begin = self.begin_nearby(true);
@@ -319,7 +393,13 @@ impl Mesh {
         self.positions[self.panels.len()]
     }
 
-    /// Bound of the largest turn between the cuts of two shapes, of up to a right angle.
+    /// Largest distance between the cuts of two shapes.
+    fn farthest_from(&self, other: &Mesh) -> f64 {
+        let pairs = self.positions.iter().zip(&other.positions);
+        pairs.map(|(a, b)| (a - b).norm()).fold(0.0, larger)
+    }
+
+    /// Chord of the largest turn between the cuts of two shapes.
     fn turned_from(&self, other: &Mesh) -> f64 {
         let turn = |(a, b): (&Matrix3<f64>, &Matrix3<f64>)| (a - b).norm_squared();
         (0.5 * self.rotations.iter().zip(&other.rotations).map(turn).fold(0.0, larger)).sqrt()
@@ -341,9 +421,9 @@ impl Mesh {
             of_bows += panel.length / (2 * points + 1) as f64 * of(&panel.bow);
             let mut top = Vector3::zeros();
             for (node, value) in panel.nodes.clone().zip(&table.top_of_rate) {
-                let u = &sweep.shapes[node].u;
-                whole += self.data[node].weight * of(u);
-                top += *value * u;
+                let bent = sweep.shapes[node].u - self.data[node].rest_curvature;
+                whole += self.data[node].weight * of(&bent);
+                top += *value * bent;
             }
             of_top += panel.length / (2 * points - 1) as f64 * of(&top);
         }

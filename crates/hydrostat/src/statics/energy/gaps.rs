@@ -21,6 +21,8 @@ pub(super) struct Gaps {
     shared: Vec<Wrench>,
     /// The latter at the nodes of the averaged robot.
     of_averaged: Vec<Wrench>,
+    /// The averaged robot where it stood when the nodes were placed last.
+    pub(super) beside: Mesh,
 }
 
 /// A panel, and what the nodes of it contribute to the polynomial through them.
@@ -50,7 +52,8 @@ impl Gaps {
     }
 
     /// Sets the turns and v of the nodes to those by the strains of the averaged robot, with what they have beyond.
-    pub(super) fn place(&self, averaged: &Mesh, sweep: &Sweep, gaps: &mut Mesh, tables: &Tables) {
+    pub(super) fn place(&mut self, averaged: &Mesh, sweep: &Sweep, gaps: &mut Mesh, tables: &Tables) {
+        self.beside.clone_from(averaged);
         for panel in &gaps.panels {
             let (table, points) = (tables.of(panel.nodes.len()), panel.nodes.len());
             let mut rates = [Vector3::zeros(); MOST];

@@ -60,9 +60,10 @@ struct Averaged {
     chain: Chain,
     energy: Energy,
     gaps: gaps::Gaps,
-    /// At a shape nearby.
+    /// What it leaves out; None where that is not known.
     measured: Option<averaged::Measured>,
-    /// Whether the last solution was found by it.
+    /// Whether the last solution was found by way of it, and whether it has moved on from the gaps since.
+    led: bool,
     holds_solution: bool,
 }
 

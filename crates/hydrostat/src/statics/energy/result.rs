@@ -34,10 +34,10 @@ impl Energy {
     /// The state at `s`, on the base side of a jump.
     pub(in crate::statics) fn station(&self, robot: &Robot, chain: &Chain, s: f64) -> Station {
         let station = self.station_of_panel(robot, chain, s);
-        let Some((averaged, measured)) = self.read_averaged() else { return station };
+        let Some((averaged, _)) = self.read_averaged() else { return station };
         // as far as the averaged robot has moved since the gaps were placed
         let tables = &self.tables;
-        let [now, then] = [&averaged.energy.coarse, &measured.averaged].map(|mesh| mesh.at(tables, s));
+        let [now, then] = [&averaged.energy.coarse, &averaged.gaps.beside].map(|mesh| mesh.at(tables, s));
         let span = &chain.spans[self.coarse.panels[self.coarse.panel_at(s)].span];
         let (shear, bend) = robot.sections[span.section].stiffness(span.fraction(robot, s));
         let (dv, du) = (now.v - then.v, now.u - then.u);
@@ -125,7 +125,8 @@ impl Energy {
             averaged.energy.visit_strains(chain, |span, s, v, u| {
                 let panel = coarse.panel_at(s);
                 let at_rest = coarse.data[coarse.panels[panel].nodes.start].rest_curvature;
-                visit(span, s, v, &(at_rest + measured.more[panel].bending * (u - at_rest)));
+                let more = (measured.more[panel].bending - 1.0) * (u - at_rest).xy();
+                visit(span, s, v, &(u + Vector3::new(more.x, more.y, 0.0)));
             });
         } else {
             self.visit_strains(chain, visit);
@@ -211,8 +212,8 @@ impl Energy {
     pub(in crate::statics) fn tip(&self) -> (Vector3<f64>, Matrix3<f64>) {
         let last = self.coarse.panels.len();
         let (position, rotation) = (self.coarse.positions[last], self.coarse.rotations[last]);
-        let Some((averaged, measured)) = self.read_averaged() else { return (position, rotation) };
-        let (now, then) = (&averaged.energy.coarse, &measured.averaged);
+        let Some((averaged, _)) = self.read_averaged() else { return (position, rotation) };
+        let (now, then) = (&averaged.energy.coarse, &averaged.gaps.beside);
         let tip = now.panels.len();
         (
             position + now.positions[tip] - then.positions[tip],

@@ -230,7 +230,7 @@ impl<'a> Search<'a> {
         told.filter(|told| told.is_finite()).unwrap_or(UNSEEN_REDUCTION).clamp(SLOWEST_REDUCTION, largest)
     }
 
-    pub(super) fn start_from_rest(&mut self) -> Result<Option<f64>, Error> {
+    fn start_from_rest(&mut self) -> Result<Option<f64>, Error> {
         if self.settings.largest_load_step == 1.0 && self.start_at_once() {
             return Ok(None);
         }
@@ -469,7 +469,7 @@ impl<'a> Search<'a> {
     }
 
     /// One more point in every panel, or shorter panels; the mesh of before is in `fine`. Returns whether points were added.
-    pub(super) fn refine(&mut self) -> bool {
+    fn refine(&mut self) -> bool {
         let add = self.energy.layouts.iter().all(|layout| layout.points < MOST);
         for layout in &mut self.energy.layouts {
             if add {
