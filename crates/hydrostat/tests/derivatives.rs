@@ -3,7 +3,7 @@
 use hydrostat::description::{parse_commands, parse_robot};
 use hydrostat::model::{Command, CrossSection, Frame, Load, LoadKind};
 use hydrostat::solution::{Derivative, Method, PoseDerivative, TendonDerivative};
-use hydrostat::statics::{Input, Settings, Workspace, derivatives, solve_in};
+use hydrostat::statics::{Input, Settings, Workspace, derivatives, solve_in, solve_near};
 use hydrostat::{Equilibrium, Robot};
 use nalgebra::{Rotation3, Vector3};
 
@@ -65,6 +65,41 @@ fn derivatives_with_bows_are_as_accurate_as_the_shape() {
     for (with, without) in with.iter().zip(&without) {
         let (a, b) = (with.poses[0].position, without.poses[0].position);
         assert!((a - b).norm() < HELD * b.norm(), "{a} {b}");
+    }
+}
+
+/// Factors of the solve that serve again, and those that must not: of a shape further away, or of other tensions at the same shape.
+#[test]
+fn factors_at_hand_serve_where_they_are_of_the_solution() {
+    let pulled = |[a, b]: [f64; 2]| commanded(TILL, &format!("a={a}N,b={b}N,c=1N,d=0N"), "");
+    // the second solve has another mesh than the first, the third begins with the factors of the second
+    let ways = [
+        ("cold", vec![pulled([3.0, 1.0])]),
+        ("held", vec![commanded(TILL, "a=1N,c=0N,d=0N", "b=2mm")]),
+        ("on by little", vec![pulled([3.0, 1.0]), pulled([3.0, 1.001]), pulled([3.0, 1.002])]),
+        ("on by more", vec![pulled([3.0, 1.0]), pulled([3.0, 1.001]), pulled([3.2, 1.3])]),
+    ];
+    for (what, way) in ways {
+        let last = way.last().expect("is not empty");
+        let inputs = [Input::commands(last), Input::tip_wrench().to_vec()].concat();
+        let [rough, fine] = [1e-6, TOLERANCE].map(|tolerance| {
+            let mut workspace = Workspace::default();
+            let settings = Settings {
+                tolerance,
+                eigenvalue: false,
+                stability: false,
+                stations: 0,
+                ..Settings::default()
+            };
+            for robot in &way {
+                solve_near(robot, &settings, &mut workspace).expect("has an answer");
+            }
+            derivatives(last, &mut workspace, &[last.length()], &inputs).expect("is regular")
+        });
+        for (rough, fine) in rough.iter().zip(&fine) {
+            let (a, b) = (rough.poses[0].position, fine.poses[0].position);
+            assert!((a - b).norm() < HELD * b.norm(), "{what}: {a} {b}");
+        }
     }
 }
 

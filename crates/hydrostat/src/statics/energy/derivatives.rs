@@ -27,14 +27,17 @@ pub(in crate::statics) fn derivatives(
     inputs: &[Input],
 ) -> Result<Vec<Derivative>, Error> {
     energy.bring_gaps(robot, chain);
-    let Energy { tables, layouts, coarse, memory, .. } = energy;
+    let Energy { tables, layouts, coarse, memory, seen, .. } = energy;
     if robot.tendons.len() != memory.drive.tensions.len() {
         return Err(Error::new("the robot has other tendons than the one that was solved"));
     }
     let equations = Equations { robot, chain, tables, factor: 1.0 };
     let Memory { sweep, drive, .. } = memory;
-    // those at hand are of a shape before the last steps, or of another matrix
-    let factored = sweep.factor(&equations.problem(&drive.tensions), coarse, 0.0);
+    let factored = match sweep.factored {
+        Some(negative) if seen.factors_fit => Some(negative),
+        // those at hand are of a shape before the last steps, or of another matrix
+        _ => sweep.factor(&equations.problem(&drive.tensions), coarse, 0.0),
+    };
     let mut solution = Solution { robot, chain, tables, layouts, mesh: coarse, sweep, drive, places };
     let border = factored.and_then(|_| solution.border());
     let border = border.ok_or_else(|| {

@@ -13,6 +13,8 @@ use std::f64::consts::TAU;
 const MOST_TURNS: f64 = 100.0;
 /// Of a shape this far from the one at which the Hessian was eliminated, under the same loads, stability is the same, rad.
 const SAME_STABILITY: f64 = 1e-2;
+/// So many tolerances away, rad, factors give the derivatives as well as the solution's own error does.
+const SAME_DERIVATIVES: f64 = 10.0;
 
 impl Search<'_> {
     pub(super) fn judge(
@@ -24,6 +26,7 @@ impl Search<'_> {
         if let Some(folded) = self.folded(1.0) {
             return Err(folded);
         }
+        self.energy.seen.factors_fit = end.moved <= SAME_DERIVATIVES * self.settings.tolerance;
         let Energy { tables, coarse, memory, .. } = &mut *self.energy;
         let equations = Equations { robot: self.robot, chain: self.chain, tables, factor: 1.0 };
         let residual = equations.residual(memory, coarse);

@@ -74,6 +74,8 @@ pub(super) struct Seen {
     pub(super) before: Option<Before>,
     /// Steps that the last solution nearby took for which factors were made.
     pub(super) steps_of_new_factors: usize,
+    /// Whether the factors at hand are those of the solution, within what its own error makes of them.
+    pub(super) factors_fit: bool,
 }
 
 /// The same on one mesh.
