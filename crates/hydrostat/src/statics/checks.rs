@@ -1,6 +1,7 @@
 //! Every quantity of a solution that has a limit, held against it.
 
-use super::chain::{Chain, Span};
+use super::chain::Chain;
+use super::span::Span;
 use crate::Error;
 use crate::model::{Command, Robot, Routing};
 use crate::solution::{Check, Station, TendonState};

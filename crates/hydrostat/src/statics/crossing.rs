@@ -3,8 +3,8 @@
 //! The wrench of rod and chords together passes the plates unchanged. Within the gap the rod carries it less the chords,
 //! which depend on the plates at both ends: the displacement between them and the rotation of the second are found first.
 
-use super::chain::{Jump, Step};
 use super::rod::{self, Node, Transition};
+use super::span::{Jump, Step};
 use crate::geometry::{cayley, cayley_coordinates, hat};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 

@@ -15,6 +15,7 @@ mod rod;
 mod search;
 mod section;
 mod shooting;
+mod span;
 mod stability;
 
 pub use constant_curvature::{Arcs, Weight, constant_curvature};

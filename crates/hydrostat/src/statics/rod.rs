@@ -1,7 +1,7 @@
 //! The equations of the rod over one integration step: state and transition matrix.
 
-use super::chain::{Jump, Step};
 use super::section::{self, Pull, Stiffened};
+use super::span::{Jump, Step};
 use crate::geometry::{cayley, cayley_coordinates, cayley_rate, hat};
 use crate::numeric::dop853::{B, STAGES, TABLEAU};
 use nalgebra::{Matrix3, Vector3};

@@ -78,7 +78,7 @@ impl Pulled {
     ) -> Self {
         let mut pulled = Pulled::default();
         let mut gap = 0.0;
-        for (pull, path) in pulls.filter(|(pull, _)| pull.tension != 0.0) {
+        for (pull, path) in taut(pulls) {
             let slope = pull.slope(v, u, &path.tangent);
             pulled.force += pull.tension * slope.v;
             pulled.moment += pull.tension * slope.u;
@@ -89,6 +89,11 @@ impl Pulled {
         }
         pulled
     }
+}
+
+/// The tendons that pull.
+fn taut(pulls: impl Iterator<Item = (Pull, Path)>) -> impl Iterator<Item = (Pull, Path)> {
+    pulls.filter(|(pull, _)| pull.tension != 0.0)
 }
 
 /// By how much a backbone between guides bends more easily than one whose curvature were even: h^4/720 N^2/K, theory (67), from the
@@ -117,7 +122,7 @@ impl Stiffened {
     ) -> Self {
         let mut stiffened = Stiffened::default();
         let mut gap = 0.0;
-        for (pull, path) in pulls.filter(|(pull, _)| pull.tension != 0.0) {
+        for (pull, path) in taut(pulls) {
             if pull.gap == 0.0 {
                 stiffened.add(&pull, &path);
             } else {

@@ -5,9 +5,10 @@
 //! way the linear equations are solved by a Riccati sweep from the tip, stable where the transition
 //! matrices grow exponentially: beyond node k the free tip means `dw_k = P_k dy_k + q_k`, theory (16).
 
-use super::chain::{Chain, Jump, Step};
+use super::chain::Chain;
 use super::crossing::{Chord, Crossing, cross, own_states};
 use super::rod::{self, Node, Transition};
+use super::span::{Jump, Step};
 use crate::geometry::{cayley, cayley_coordinates};
 use crate::model::{Robot, Routing};
 use crate::numeric::{MAX_UNKNOWNS, eliminate, larger};

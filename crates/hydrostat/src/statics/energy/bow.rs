@@ -2,7 +2,8 @@
 
 use super::mesh::{Mesh, Panel, Tables};
 use super::newton::{Begin, Converged, Equations, Stuck};
-use super::search::{FINE_TOLERANCE, LARGEST_REDUCTION_IN_GAPS, SAFETY, SLOWEST_REDUCTION, Search};
+use super::refine::{LARGEST_REDUCTION_IN_GAPS, SLOWEST_REDUCTION};
+use super::search::{FINE_TOLERANCE, SAFETY, Search};
 use super::sweep::Column;
 use super::{Energy, Memory};
 use crate::model::Routing;

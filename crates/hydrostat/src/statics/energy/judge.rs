@@ -5,7 +5,7 @@ use super::search::{Found, Search};
 use super::{Energy, tendons};
 use crate::Error;
 use crate::model::{Command, Tendon};
-use crate::statics::chain::Span;
+use crate::statics::span::Span;
 use crate::statics::stability;
 use std::f64::consts::TAU;
 

@@ -48,7 +48,7 @@ pub(super) struct NodeData {
     pub(super) mass_moment: Vector3<f64>,
     /// Force and moment that the section law leaves out, body frame: where gaps are averaged.
     pub(super) left_out: [Vector3<f64>; 2],
-    /// The channel tendons that pass, among `Mesh::passing`.
+    /// The tendons that pass, in channels or between averaged guides, among `Mesh::passing`.
     pub(super) passing: Range<usize>,
     /// The gap in which it lies, if chords run there.
     pub(super) gap: Option<usize>,

@@ -2,8 +2,9 @@
 //!
 //! Each panel of the backbone has a polynomial for its rotation vector, and so for its bending and twist, and values of
 //! shear and stretch at its Gauss nodes (`mesh`, `node`); one block elimination along the chain gives Newton's step and the
-//! inertia of the Hessian (`factor`, `chords`, `following`, `sweep`, `newton`); `search`, `at_once`, `warm`, `bow` and `trust` lead to the full load, `judge`,
-//! `convex`, `result` and `derivatives` say what was found.
+//! inertia of the Hessian (`factor`, `chords`, `following`, `sweep`, `newton`); `search`, `at_once`, `warm`, `refine`, `bow` and `trust` lead to
+//! the full load, for robots with guides by way of one whose guides are spread (`averaged`, `gaps`); `judge`, `convex`, `result` and
+//! `derivatives` say what was found.
 
 mod at_once;
 mod averaged;
@@ -19,6 +20,7 @@ mod judge;
 mod mesh;
 mod newton;
 mod node;
+mod refine;
 mod result;
 mod search;
 mod sweep;

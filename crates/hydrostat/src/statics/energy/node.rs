@@ -83,7 +83,7 @@ pub(super) struct Linearised {
     pub(super) force_force: Matrix3<f64>,
     /// Inverse of the v-v block; NaN where the energy does not grow with v.
     v_v_inverse: Matrix3<f64>,
-    /// The v rows of du, None where no channel tendon passes; those of the section's rotation are -hat(force), that of the force beyond
+    /// The v rows of du, None where no tendon passes; those of the section's rotation are -hat(force), that of the force beyond
     /// is -R^T.
     v_u: Option<Matrix3<f64>>,
     force: Vector3<f64>,
@@ -105,7 +105,7 @@ pub(super) struct Local {
 }
 
 impl Local {
-    /// `pulled` by the channel tendons that pass, if any do.
+    /// `pulled` by the tendons that pass, if any do.
     pub(super) fn new(data: &NodeData, pulled: Option<&Pulled>, shape: &Shape, acting: &Acting) -> Self {
         let [force, moment] = &data.left_out;
         let mut u_v = data.shear.component_mul(&(shape.v - Vector3::z())) + force;

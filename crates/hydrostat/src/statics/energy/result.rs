@@ -6,8 +6,9 @@ use super::search::LARGEST_TURN;
 use super::{Averaged, Energy};
 use crate::model::Routing;
 use crate::solution::{Station, TendonState};
-use crate::statics::chain::{Chain, POINTS, Span, Step};
+use crate::statics::chain::Chain;
 use crate::statics::rod::{self, Node};
+use crate::statics::span::{POINTS, Span, Step};
 use crate::{Error, Robot};
 use nalgebra::{Matrix3, Vector3};
 
