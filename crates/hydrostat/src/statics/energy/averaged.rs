@@ -238,7 +238,7 @@ impl Search<'_> {
         // stations and the eigenvalue are those of the gaps
         let in_gaps = self.settings.stations > 0 || self.settings.eigenvalue;
         let nearby =
-            if matches!(start, Start::Last { changed: false }) { self.from_measured(averaged) } else { None };
+            if matches!(start, Start::Last { changed: false }) { self.near_measured(averaged) } else { None };
         if let Some((end, error_estimate)) = nearby
             && !in_gaps
             && error_estimate <= self.settings.tolerance * self.chain.length
@@ -276,7 +276,7 @@ impl Search<'_> {
     }
 
     /// The averaged robot from where it was measured last, and the estimated error; None where that is too far away.
-    fn from_measured(&mut self, averaged: &mut Averaged) -> Option<(Converged, f64)> {
+    fn near_measured(&mut self, averaged: &mut Averaged) -> Option<(Converged, f64)> {
         let Averaged { chain, energy, measured, .. } = averaged;
         let measured = measured.as_ref().filter(|_| energy.memory.drive.is_of(self.robot))?;
         let mut search = self.averaged_search(energy, chain);
