@@ -37,9 +37,10 @@ impl Search<'_> {
         self.is_nearby(&end).then_some(more)
     }
 
+    /// Where the energy fell in some direction on the way there is more than one shape to reach.
     fn is_nearby(&self, end: &Converged) -> bool {
         let turn = self.energy.coarse.largest_turn(&self.energy.tables);
-        end.negative == 0 && turn <= LARGEST_TURN && !self.strayed(end)
+        end.most_negative == 0 && turn <= LARGEST_TURN && !self.strayed(end)
     }
 
     /// Places the coarse mesh as bent by the tendons, with the tensions that a first step finds for those held.

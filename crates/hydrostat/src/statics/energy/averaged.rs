@@ -4,14 +4,13 @@ use super::gaps::Gaps;
 use super::mesh::{Layout, Mesh, Panel};
 use super::newton::{Begin, Converged, Equations};
 use super::search::{FINE_TOLERANCE, Found, SAFETY, Search, Seen, Start};
-use super::sweep::Sweep;
-use super::{Averaged, Energy, Memory, Tables};
+use super::{Averaged, Energy, Memory};
 use crate::Robot;
-use crate::geometry::rotation_vector;
 use crate::numeric::collocation::FEWEST;
 use crate::numeric::larger;
 use crate::statics::chain::Chain;
 use nalgebra::{Matrix3, Vector3};
+use std::f64::consts::PI;
 
 // Where a number below has no derivation it was set by trial: the smallest that kept random robots with guides, cold and after changes of
 // 1 to 30 % of their commands, within the tolerance of solutions in the gaps to 1e-10.
@@ -21,22 +20,20 @@ const MOST_TURNED: f64 = 0.3;
 /// How often the gaps are measured, and by how much a measurement is taken to reduce the error at most.
 const MOST_ROUNDS: usize = 8;
 const LARGEST_REDUCTION: f64 = 10.0;
+/// What one change is taken to be of the one before where that was not seen.
+const UNSEEN: f64 = 0.5;
 /// Part of one change that may not be seen in the next: the tensions of held tendons follow a turn later.
 const LAG: f64 = 0.1;
 const LAG_OF_HELD: f64 = 0.3;
 /// Points in a gap at most, and the part of the tolerance that what these leave out may take.
 const MOST_POINTS: usize = 4;
 const OF_POINTS: f64 = 0.25;
-/// What points leave out, as a part of the bend: per part of the elastic energy in the bows and turn^2, and of that in the highest
-/// coefficient that the points see per turn^2 more.
-const OF_ENERGY: f64 = 5.0;
-const OF_TOP: f64 = 5.0;
 /// Part of what gaps and averaged robot do against each other that may come to light farther on.
 const OF_CHANGE: f64 = 0.2;
 /// Factor on the drift, for other directions than that in which it was seen.
 const OF_DRIFT: f64 = 10.0;
-/// Part of the first drift that is assumed whatever a second measurement shows, and the part of the bend from which on one tells it.
-const LEAST_DRIFT: f64 = 0.1;
+/// Part of the first drift that is assumed whatever later measurements show, and the part of the bend from which on one tells it.
+const LEAST_DRIFT: f64 = 0.2;
 const LEAST_MOVED: f64 = 1e-4;
 /// Part of the bend up to which what was left out is a start for the next measurement.
 const FARTHEST: f64 = 0.15;
@@ -51,15 +48,17 @@ const NEXT_TO_NOTHING: f64 = 1e-3;
 /// What the averaged robot leaves out, as the gaps showed it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Measured {
-    /// Where the averaged robot stood, under which tensions, and the way from its tip to that of the gaps.
+    /// Where the averaged robot stood, its bending in all, rad, under which tensions, and the way from its tip to that of the gaps.
     averaged: Mesh,
+    bend: f64,
     tensions: Vec<f64>,
     offset: Vector3<f64>,
     /// Largest bending in the gaps over that of the averaged robot, and distance of a tendon from its channel, per panel of that robot.
     pub(super) more: Vec<Largest>,
     error_estimate: f64,
-    /// How fast the error grows with the way from there, as [`Measured::way`] tells, m/rad.
+    /// How fast the error grows with the way from there, as [`Measured::way`] tells, and the first time that was seen, m/rad.
     drift: f64,
+    first_drift: f64,
 }
 
 /// Bending of the backbone, 1/m, and distance of a tendon from its channel over the radius of its hole.
@@ -95,46 +94,60 @@ impl Measured {
         let changes = tensions.iter().zip(&self.tensions).map(|(now, then)| (now - then).abs());
         let (change, whole) = (changes.sum::<f64>(), self.tensions.iter().sum::<f64>());
         let part = if change > 0.0 { change / whole } else { 0.0 };
-        averaged.turned_from(&self.averaged).max(part * self.averaged.bend())
+        averaged.turned_from(&self.averaged).max(part * self.bend)
     }
 
-    /// The drift by what a measurement after the one before has brought to light, m.
-    fn drift_since(&self, before: &Self, left_out: f64) -> f64 {
-        let way = before.way(&self.averaged, &self.tensions).max(LEAST_MOVED * self.averaged.bend());
-        let floor = if before.drift.is_finite() { LEAST_DRIFT * before.drift } else { 0.0 };
-        (left_out / way).max(floor)
+    /// The drift by what this measurement and one `before` it have brought to light, m.
+    fn find_drift(&mut self, before: Option<&Self>, held: bool, left_out: f64) {
+        self.drift = match before {
+            // of tensions to be found, and of a straight robot, the first measurement tells too little
+            None if held || self.bend < LEAST_BEND => f64::INFINITY,
+            None => left_out / self.bend,
+            Some(before) => {
+                let way = before.way(&self.averaged, &self.tensions).max(LEAST_MOVED * self.bend);
+                let floor = if self.first_drift.is_finite() { LEAST_DRIFT * self.first_drift } else { 0.0 };
+                (left_out / way).max(floor)
+            }
+        };
+        if !self.first_drift.is_normal() {
+            self.first_drift = self.drift;
+        }
     }
 }
 
 /// How far measurements in a row have led, and what may still come.
 struct Rounds {
-    /// Part of one change that may not be seen in the next, and how much slower than the first the second is taken to be.
+    /// Part of one change that may not be seen in the next, and the least that one is taken to be of the one before.
     lag: f64,
-    first: f64,
+    slowest: f64,
+    /// What the first change is taken to be of one before.
+    unseen: f64,
     last: Option<f64>,
-    /// What they have brought to light, and the next change expected, m.
+    /// What they have brought to light, and the changes expected beyond, m.
     left_out: f64,
     to_come: f64,
 }
 
 impl Rounds {
-    fn new(held: bool, before: bool) -> Self {
+    /// Of gaps with so much of `softening`, as [`Search::softening`] tells, `known` where they have been measured before: what the nodes
+    /// give way by at first shows in the next turn only.
+    fn new(held: bool, softening: f64, known: bool) -> Self {
         Rounds {
             lag: if held { LAG_OF_HELD } else { LAG },
-            // what the nodes give way by at first shows in the next turn only
-            first: if held || before { 1.0 } else { 0.0 },
+            slowest: (softening / PI.powi(2)).max(1.0 / LARGEST_REDUCTION),
+            unseen: if known { UNSEEN } else { 1.0 },
             last: None,
             left_out: 0.0,
             to_come: f64::INFINITY,
         }
     }
 
-    /// Takes up by how much the shapes have changed, and the gaps' tip by what both did.
+    /// `seen`: by how much averaged robot and gaps have changed, each for itself; `together`: by how much the tip has, m.
     fn add(&mut self, seen: f64, together: f64) {
         let change = seen.max(self.last.map_or(0.0, |last| self.lag * last));
-        let slower = self.last.map_or(self.first, |last| change / last);
         self.left_out += together + OF_CHANGE * seen;
-        self.to_come = slower.max(1.0 / LARGEST_REDUCTION) * change;
+        let ratio = self.last.map_or(self.unseen, |last| change / last).max(self.slowest);
+        self.to_come = if ratio < 1.0 { change * ratio / (1.0 - ratio) } else { f64::INFINITY };
         self.last = Some(change);
     }
 }
@@ -253,7 +266,13 @@ impl Search<'_> {
             self.iterations = search.iterations;
             found.then_some(())?;
         }
-        let (mut end, error_estimate) = self.measure(averaged)?;
+        let before = averaged.measured.take();
+        let mut search = self.averaged_search(&mut averaged.energy, &averaged.chain);
+        let measured = self.measure(&mut search, &mut averaged.gaps, before);
+        self.iterations = search.iterations;
+        let (mut end, now) = measured?;
+        let error_estimate = now.error_estimate;
+        averaged.measured = Some(now);
         // factors of other loads tell nothing of the stability under these
         if nearby.is_none_or(|(end, _)| end.moved.is_finite()) {
             end.moved = averaged.energy.memory.sweep.moved;
@@ -261,7 +280,10 @@ impl Search<'_> {
         if in_gaps {
             self.energy.place_gaps(self.robot, self.chain, &mut averaged.gaps, &averaged.energy);
             self.energy.coarse.find_middles(&self.energy.memory.sweep, &self.energy.tables);
-            return self.judge(Converged { moved: f64::INFINITY, ..end }, error_estimate, None).ok();
+            if self.settings.stability {
+                end.moved = f64::INFINITY; // that of the gaps themselves
+            }
+            return self.judge(end, error_estimate, None).ok();
         }
         self.judge_averaged(averaged, end, error_estimate)
     }
@@ -284,7 +306,7 @@ impl Search<'_> {
         self.iterations = search.iterations;
         let way = measured.way(&energy.coarse, &energy.memory.drive.tensions);
         let grown = OF_DRIFT * measured.drift * way;
-        let end = end.filter(|_| way <= FARTHEST * measured.averaged.bend())?;
+        let end = end.filter(|_| way <= FARTHEST * measured.bend)?;
         Some((end, measured.error_estimate + grown + end.residual * self.chain.length))
     }
 
@@ -294,51 +316,41 @@ impl Search<'_> {
         search.judge(end, error_estimate, None).ok()
     }
 
-    /// Measures what averaging leaves out until neither shape answers any more: from what is known, where that was measured at a shape
-    /// nearby. Returns the estimated error, too.
-    fn measure(&mut self, averaged: &mut Averaged) -> Option<(Converged, f64)> {
-        let Averaged { chain, energy, measured, gaps, .. } = averaged;
-        let before = measured.take();
-        let mut search = self.averaged_search(energy, chain);
+    /// Measures what averaging leaves out until neither shape answers any more: from what is known `before`, where that was measured at a
+    /// shape nearby.
+    fn measure(
+        &mut self,
+        averaged: &mut Search,
+        gaps: &mut Gaps,
+        mut before: Option<Measured>,
+    ) -> Option<(Converged, Measured)> {
         let (length, asked) = (self.chain.length, self.settings.tolerance * self.chain.length);
-        let mut points = FEWEST;
         if before.is_none() {
-            self.begin_gaps(&search, gaps, points)?;
+            self.begin_gaps(averaged, gaps, FEWEST)?;
         }
-        if !self.is_stiff_in_gaps(&search.energy.memory.drive.tensions) {
+        let softening = self.softening(&averaged.energy.memory.drive.tensions);
+        if softening > MOST_SOFTENED {
             return None;
         }
         let held = !self.energy.memory.drive.held.is_empty();
         let mut now = before.clone().unwrap_or_default();
-        let mut rounds = Rounds::new(held, before.is_some());
+        let mut rounds = Rounds::new(held, softening, before.is_some());
         for _ in 0..MOST_ROUNDS {
-            self.energy.place_gaps(self.robot, self.chain, gaps, search.energy);
-            let of_points = self.energy.error_of_points(&search.energy.coarse) * length;
+            self.energy.place_gaps(self.robot, self.chain, gaps, averaged.energy);
+            let of_points = self.energy.error_of_points(true) * length;
             if of_points > OF_POINTS * asked {
-                points += 1;
-                if points > MOST_POINTS || before.is_some() {
-                    return None;
-                }
-                self.begin_gaps(&search, gaps, points)?;
-                (rounds, now.offset) = (Rounds::new(held, false), Vector3::zeros());
+                let points = self.energy.layouts[0].points + 1;
+                (before, now, rounds) = (None, Measured::default(), Rounds::new(held, softening, false));
+                self.begin_gaps(averaged, gaps, points)?;
                 continue;
             }
-            let end = self.exchange(&mut search, gaps, &mut now, &mut rounds)?;
+            let end = self.exchange(averaged, gaps, &mut now, &mut rounds)?;
             now.error_estimate = of_points + SAFETY * rounds.to_come + end.residual * length;
-            if now.error_estimate > asked {
-                continue;
+            if now.error_estimate <= asked {
+                now.find_drift(before.as_ref(), held, rounds.left_out);
+                now.more = self.bent_more(averaged, &now.averaged);
+                return Some((end, now));
             }
-            now.drift = match &before {
-                // of tensions to be found, and of a straight robot, the first measurement tells too little
-                None if held || now.averaged.bend() < LEAST_BEND => f64::INFINITY,
-                None => rounds.left_out / now.averaged.bend(),
-                Some(before) => now.drift_since(before, rounds.left_out),
-            };
-            now.more = self.bent_more(&search, &now.averaged);
-            self.iterations = search.iterations;
-            let error_estimate = now.error_estimate;
-            *measured = Some(now);
-            return Some((end, error_estimate));
         }
         None
     }
@@ -358,6 +370,7 @@ impl Search<'_> {
         memory.drive.home.clone_from(&lengths.home);
         memory.drive.take_lengths(&lengths.lengths);
         now.averaged.clone_from(coarse);
+        now.bend = coarse.bend(&memory.sweep);
         now.tensions.clone_from(&memory.drive.tensions);
         let end = averaged.newton_here(Begin::Placed).ok()?;
         let answered = &averaged.energy.coarse;
@@ -378,18 +391,20 @@ impl Search<'_> {
         pairs.map(|(gaps, of)| gaps.over(&of, &most)).collect()
     }
 
-    /// Whether no gap is near to buckling between its guides, which the averaged robot would not show.
-    fn is_stiff_in_gaps(&self, tensions: &[f64]) -> bool {
-        let tension = tensions.iter().sum::<f64>();
+    /// Largest sum of the tensions times h^2/K in a gap: at pi^2 it buckles between its guides, which the averaged robot would not show.
+    fn softening(&self, tensions: &[f64]) -> f64 {
         let Energy { coarse, .. } = &*self.energy;
-        let softening =
-            |panel: &Panel| panel.length * panel.length * tension / coarse.data[panel.nodes.start].bend.min();
-        coarse.panels.iter().all(|panel| softening(panel) <= MOST_SOFTENED)
+        let flexibility =
+            |panel: &Panel| panel.length * panel.length / coarse.data[panel.nodes.start].bend.min();
+        tensions.iter().sum::<f64>() * coarse.panels.iter().map(flexibility).fold(0.0, larger)
     }
 
     /// Lays panels of so many points in the gaps, and lets these give way as far as they do without moving anything. None where they turn
-    /// too far.
+    /// too far, or would have too many.
     fn begin_gaps(&mut self, averaged: &Search, gaps: &mut Gaps, points: usize) -> Option<()> {
+        if points > MOST_POINTS {
+            return None;
+        }
         self.energy.layouts.clear();
         self.energy.layouts.resize(self.chain.spans.len(), Layout { parts: 1, points });
         self.lay();
@@ -422,15 +437,6 @@ impl Search<'_> {
     }
 }
 
-impl Energy {
-    /// By what part of the length points and bows may leave the tip off, theory (69).
-    fn error_of_points(&self, averaged: &Mesh) -> f64 {
-        let turn_squared = self.coarse.largest_turn(&self.tables).powi(2);
-        let [of_bows, of_top] = self.coarse.energy_of_highest(&self.tables, &self.memory.sweep);
-        OF_ENERGY * turn_squared * larger(of_bows, OF_TOP * turn_squared * of_top) * averaged.bend()
-    }
-}
-
 impl Mesh {
     fn tip(&self) -> Vector3<f64> {
         self.positions[self.panels.len()]
@@ -446,30 +452,5 @@ impl Mesh {
     fn turned_from(&self, other: &Mesh) -> f64 {
         let turn = |(a, b): (&Matrix3<f64>, &Matrix3<f64>)| (a - b).norm_squared();
         (0.5 * self.rotations.iter().zip(&other.rotations).map(turn).fold(0.0, larger)).sqrt()
-    }
-
-    /// Sum of the panels' turns, rad.
-    fn bend(&self) -> f64 {
-        let turn = |pair: &[Matrix3<f64>]| rotation_vector(&pair[0].tr_mul(&pair[1])).norm();
-        self.rotations.windows(2).map(turn).sum::<f64>().max(f64::MIN_POSITIVE)
-    }
-
-    /// Elastic energy of the bows, and of the highest coefficient that the points see, over the whole.
-    fn energy_of_highest(&self, tables: &Tables, sweep: &Sweep) -> [f64; 2] {
-        let (mut of_bows, mut of_top, mut whole) = (0.0, 0.0, f64::MIN_POSITIVE);
-        for panel in &self.panels {
-            let (table, points) = (tables.of(panel.nodes.len()), panel.nodes.len());
-            let stiffness = &self.data[panel.nodes.start].bend;
-            let of = |u: &Vector3<f64>| u.dot(&stiffness.component_mul(u));
-            of_bows += panel.length / (2 * points + 1) as f64 * of(&panel.bow);
-            let mut top = Vector3::zeros();
-            for (node, value) in panel.nodes.clone().zip(&table.top_of_rate) {
-                let bent = sweep.shapes[node].u - self.data[node].rest_curvature;
-                whole += self.data[node].weight * of(&bent);
-                top += *value * bent;
-            }
-            of_top += panel.length / (2 * points - 1) as f64 * of(&top);
-        }
-        [of_bows / whole, of_top / whole]
     }
 }

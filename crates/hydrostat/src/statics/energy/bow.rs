@@ -1,18 +1,23 @@
 //! The bow of the backbone between guides: the first coefficient of its curvature that the points of a panel do not see, theory (65).
 
-use super::mesh::{Mesh, Panel, Tables};
+use super::mesh::{Mesh, NodeData, Panel, Tables};
 use super::newton::{Begin, Converged, Equations, Stuck};
+use super::node::Shape;
 use super::refine::{LARGEST_REDUCTION_IN_GAPS, SLOWEST_REDUCTION};
 use super::search::{FINE_TOLERANCE, SAFETY, Search};
-use super::sweep::Column;
+use super::sweep::{Column, Sweep};
 use super::{Energy, Memory};
 use crate::model::Routing;
-use crate::numeric::collocation::FEWEST;
+use crate::numeric::collocation::{Collocation, FEWEST};
 use crate::numeric::larger;
 use nalgebra::Vector3;
 
 /// Panels that turn further are not described by bows alone, rad.
 pub(super) const MOST_BOWED: f64 = 0.15;
+/// What points leave out, as a part of the bend: per part of the elastic energy in the bows and turn^2, and of that in the highest
+/// coefficient that the points see per turn^2 more.
+const OF_ENERGY: f64 = 5.0;
+const OF_TOP: f64 = 5.0;
 /// Part of the tolerance that the shape without bows may be off by where they are judged by how far they move it.
 const SETTLED: f64 = 0.5;
 
@@ -62,7 +67,11 @@ impl Search<'_> {
         }
         let reduction = (without / coarse.tail(tables)).clamp(SLOWEST_REDUCTION, LARGEST_REDUCTION_IN_GAPS);
         let rounding = end.residual.min(1e-3 * tolerance) + f64::EPSILON * coarse.data.len() as f64;
-        Some((end, SAFETY * self.difference() / (reduction - 1.0) + rounding * self.chain.length))
+        let of_points = self.energy.error_of_points(false);
+        Some((
+            end,
+            SAFETY * self.difference() / (reduction - 1.0) + (of_points + rounding) * self.chain.length,
+        ))
     }
 
     /// The equilibrium with the bows that the gradient at the placed shape asks for.
@@ -85,6 +94,43 @@ impl Search<'_> {
         self.last = Some(end);
         Ok(end)
     }
+}
+
+impl Energy {
+    /// By what part of the length points and bows may leave the tip off, theory (69); `made_up` where what the sums lose of the highest
+    /// coefficient was made up for.
+    pub(super) fn error_of_points(&self, made_up: bool) -> f64 {
+        let Energy { tables, coarse, memory: Memory { sweep, .. }, .. } = self;
+        let highest = coarse.highest(tables, sweep);
+        let turn_squared = coarse.largest_turn(tables).powi(2);
+        let of_turn =
+            OF_ENERGY * turn_squared * larger(highest.of_bows, OF_TOP * turn_squared * highest.of_top);
+        let lost = highest.lost_of_bows + if made_up { highest.still_lost } else { highest.lost };
+        (of_turn + SAFETY * lost) / highest.whole * coarse.bend(sweep)
+    }
+
+    /// The same of points without bows, as far as one point more would not tell: the sums lose what they lost of a bow.
+    pub(super) fn lost_by_points(&self) -> f64 {
+        let Energy { tables, coarse, memory: Memory { sweep, .. }, .. } = self;
+        let highest = coarse.highest(tables, sweep);
+        SAFETY * highest.lost / highest.whole * coarse.bend(sweep)
+    }
+}
+
+/// Elastic energies: of the whole, of the bows, of the highest coefficient that the points see, and how much less the force along the
+/// backbone does on the latter two than it should, theory (70), still so once that was made up for.
+struct Highest {
+    whole: f64,
+    of_bows: f64,
+    of_top: f64,
+    lost: f64,
+    lost_of_bows: f64,
+    still_lost: f64,
+}
+
+/// Part of force h^2/K times the elastic energy of the highest coefficient that the sums over so many points lose, theory (70).
+pub(super) fn lost_by_sums(points: usize) -> f64 {
+    1.0 / (4 * (4 * points * points - 1)) as f64
 }
 
 impl Mesh {
@@ -119,5 +165,54 @@ impl Mesh {
             panel.bow.norm() * part * panel.length
         };
         self.panels.iter().map(of).fold(0.0, larger)
+    }
+
+    fn highest(&self, tables: &Tables, sweep: &Sweep) -> Highest {
+        let mut sum = Highest {
+            whole: f64::MIN_POSITIVE,
+            of_bows: 0.0,
+            of_top: 0.0,
+            lost: 0.0,
+            lost_of_bows: 0.0,
+            still_lost: 0.0,
+        };
+        for panel in &self.panels {
+            let (table, points) = (tables.of(panel.nodes.len()), panel.nodes.len());
+            let stiffness = &self.data[panel.nodes.start].bend;
+            let of = |u: &Vector3<f64>| u.dot(&stiffness.component_mul(u));
+            let mut force = 0.0;
+            for node in panel.nodes.clone() {
+                let bent = sweep.shapes[node].u - self.data[node].rest_curvature;
+                sum.whole += self.data[node].weight * of(&bent);
+                force = larger(force, sweep.locals[node].force().norm());
+            }
+            // of a polynomial of Legendre's
+            let of_degree = |degree: usize, u: &Vector3<f64>| panel.length / (2 * degree + 1) as f64 * of(u);
+            let of_top = of_degree(points - 1, &self.highest_bend(panel, table, sweep));
+            let of_bow = of_degree(points, &panel.bow);
+            let softening = force * panel.length * panel.length / stiffness.min();
+            let lost = softening * lost_by_sums(points) * of_top;
+            sum.of_top += of_top;
+            sum.of_bows += of_bow;
+            sum.lost += lost;
+            sum.still_lost += softening * lost;
+            sum.lost_of_bows += softening * lost_by_sums(points + 1) * of_bow;
+        }
+        sum
+    }
+
+    /// Highest coefficient of a panel's bending that its points see.
+    pub(super) fn highest_bend(&self, panel: &Panel, table: &Collocation, sweep: &Sweep) -> Vector3<f64> {
+        let mut top = Vector3::zeros();
+        for (node, part) in panel.nodes.clone().zip(&table.top_of_rate) {
+            top += *part * (sweep.shapes[node].u - self.data[node].rest_curvature);
+        }
+        top
+    }
+
+    /// Integral of the bending over the backbone, rad.
+    pub(super) fn bend(&self, sweep: &Sweep) -> f64 {
+        let of = |(data, shape): (&NodeData, &Shape)| data.weight * (shape.u - data.rest_curvature).norm();
+        self.data.iter().zip(&sweep.shapes).map(of).sum::<f64>().max(f64::MIN_POSITIVE)
     }
 }

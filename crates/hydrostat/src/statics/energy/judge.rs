@@ -13,8 +13,9 @@ use std::f64::consts::TAU;
 const MOST_TURNS: f64 = 100.0;
 /// Of a shape this far from the one at which the Hessian was eliminated, under the same loads, stability is the same, rad.
 const SAME_STABILITY: f64 = 1e-2;
-/// So many tolerances away, rad, factors give the derivatives as well as the solution's own error does.
-const SAME_DERIVATIVES: f64 = 10.0;
+/// This far away, rad, factors give derivatives that are as accurate as the shape, for finer tolerances than the second so much less.
+const SAME_DERIVATIVES: f64 = 3e-6;
+const OF_TOLERANCE: f64 = 1e-6;
 
 impl Search<'_> {
     pub(super) fn judge(
@@ -26,7 +27,9 @@ impl Search<'_> {
         if let Some(folded) = self.folded(1.0) {
             return Err(folded);
         }
-        self.energy.seen.factors_fit = end.moved <= SAME_DERIVATIVES * self.settings.tolerance;
+        // bows change the shape without being counted
+        let near = end.moved <= SAME_DERIVATIVES * (self.settings.tolerance / OF_TOLERANCE).min(1.0);
+        self.energy.seen.factors_fit = near && !self.energy.coarse.bows;
         let Energy { tables, coarse, memory, .. } = &mut *self.energy;
         let equations = Equations { robot: self.robot, chain: self.chain, tables, factor: 1.0 };
         let residual = equations.residual(memory, coarse);

@@ -81,6 +81,8 @@ pub(super) struct Converged {
     pub(super) moved: f64,
     /// Of the first two corrections; 0 where one was enough.
     pub(super) contraction: f64,
+    /// Most directions in which the energy fell at a shape on the way.
+    pub(super) most_negative: usize,
 }
 
 /// Why an iteration ended without converging.
@@ -280,7 +282,7 @@ impl Equations<'_> {
         iterations: &mut usize,
     ) -> Result<Converged, Stuck> {
         let (mut last, mut last_residual) = (f64::INFINITY, f64::INFINITY);
-        let mut first_contraction: Option<f64> = None;
+        let (mut first_contraction, mut most_negative): (Option<f64>, usize) = (None, 0);
         let (mut made, mut reuse) = (false, begin != Begin::Anew);
         let mut evaluated = (begin == Begin::Placed).then(|| self.evaluate_placed(memory, mesh));
         for _ in 0..MAX_ITERATIONS {
@@ -310,6 +312,7 @@ impl Equations<'_> {
             else {
                 return Err(Stuck { correction });
             };
+            most_negative = most_negative.max(negative);
             self.correct(memory, mesh);
             memory.sweep.moved += correction;
             if !first {
@@ -341,6 +344,7 @@ impl Equations<'_> {
                     negative,
                     moved: if made { memory.sweep.moved } else { f64::INFINITY },
                     contraction: first_contraction.unwrap_or(0.0),
+                    most_negative,
                 });
             }
             reuse = correction <= NEAR;

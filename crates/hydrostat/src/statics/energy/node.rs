@@ -129,6 +129,11 @@ impl Local {
         }
     }
 
+    /// Of the backbone, body frame: what acts beyond less what the chords carry.
+    pub(super) fn force(&self) -> &Vector3<f64> {
+        &self.force
+    }
+
     /// The energy's gradient for the weight of the node, theory (31).
     pub(super) fn gradient(&self, data: &NodeData, shape: &Shape) -> Form {
         let moment = data.weight * (self.moment + self.dead_moment + self.following_moment);

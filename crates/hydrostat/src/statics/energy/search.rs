@@ -62,6 +62,8 @@ pub(super) const ON_THE_WAY: f64 = 1e-5;
 pub(super) struct Seen {
     pub(super) tail: f64,
     pub(super) error_estimate: f64,
+    /// Force along the backbone there, of loads and tendons, as [`Search::compression`] tells.
+    pub(super) compression: f64,
     pub(super) before: Option<Before>,
     /// Steps that the last solution nearby took for which factors were made.
     pub(super) steps_of_new_factors: usize,
@@ -157,7 +159,8 @@ impl<'a> Search<'a> {
             && error_estimate <= tolerance * self.chain.length
         {
             let tail = self.energy.coarse.tail(&self.energy.tables);
-            self.energy.seen = Seen { tail, error_estimate, ..Seen::default() };
+            let compression = self.compression();
+            self.energy.seen = Seen { tail, error_estimate, compression, ..Seen::default() };
             return self.judge(end, error_estimate, unstable_from);
         }
         let mut last_difference: Option<f64> = None;
@@ -190,12 +193,15 @@ impl<'a> Search<'a> {
             let nodes = self.energy.coarse.data.len();
             let rounding =
                 (end.residual.min(1e-3 * tolerance) + f64::EPSILON * nodes as f64) * self.chain.length;
-            let error_estimate = SAFETY * difference / (reduction - 1.0) + rounding;
+            let straight = !self.energy.coarse.chords.is_empty();
+            let lost = if straight { self.energy.lost_by_points() * self.chain.length } else { 0.0 };
+            let error_estimate = SAFETY * difference / (reduction - 1.0) + lost + rounding;
             if error_estimate <= tolerance * self.chain.length {
                 let before = SAFETY * difference + rounding;
                 self.energy.seen = Seen {
                     tail: finer,
                     error_estimate,
+                    compression: self.compression(),
                     before: added.then_some(Before { tail, error_estimate: before }),
                     ..Seen::default()
                 };

@@ -5,6 +5,7 @@ use super::search::{Before, Search, Seen};
 use super::tendons::Drive;
 use super::{Energy, Memory};
 use crate::model::Command;
+use crate::numeric::larger;
 
 /// Highest coefficients below are rounding.
 const SMALLEST_TAIL: f64 = 1e-13;
@@ -40,9 +41,23 @@ impl Search<'_> {
         if self.strayed(&end) || self.energy.coarse.bows && !self.may_bow() {
             return None;
         }
-        let Seen { tail, error_estimate, .. } = self.energy.seen;
-        let growth = (self.energy.coarse.tail(&self.energy.tables) / tail.max(SMALLEST_TAIL)).max(1.0);
-        Some((end, error_estimate * growth * growth + end.residual.min(target) * self.chain.length))
+        let Seen { tail, error_estimate, compression, .. } = self.energy.seen;
+        let mut growth = (self.energy.coarse.tail(&self.energy.tables) / tail.max(SMALLEST_TAIL)).max(1.0);
+        if !self.energy.coarse.chords.is_empty() {
+            // the backbone bends unevenly between guides as its force times what two points see
+            growth = growth.max(self.compression() / compression);
+        }
+        let coarse = &self.energy.coarse;
+        let of_points = if coarse.bows { self.energy.error_of_points(false) } else { 0.0 };
+        let grown = larger(error_estimate * growth * growth, of_points * self.chain.length);
+        Some((end, grown + end.residual.min(target) * self.chain.length))
+    }
+
+    /// Bound of the force along the backbone, N: tensions and dead loads together.
+    pub(super) fn compression(&self) -> f64 {
+        let loads =
+            self.chain.spans.first().map_or(0.0, |span| span.dead_force(self.robot, span.from).norm());
+        loads + self.energy.memory.drive.tensions.iter().sum::<f64>()
     }
 
     /// With what the way from the last solution begins, `placed` if the shape still is; bends that further where the factors would not do.
@@ -135,7 +150,7 @@ impl Search<'_> {
         std::mem::swap(coarse, fine);
         layouts.iter_mut().for_each(|layout| layout.points -= 1);
         sweep.factored = None;
-        *seen = Seen { tail, error_estimate, ..Seen::default() };
+        *seen = Seen { tail, error_estimate, compression: seen.compression, ..Seen::default() };
         true
     }
 
