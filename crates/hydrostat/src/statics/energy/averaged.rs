@@ -130,12 +130,12 @@ struct Rounds {
 
 impl Rounds {
     /// Of gaps with so much of `softening`, as [`Search::softening`] tells, `known` where they have been measured before: what the nodes
-    /// give way by at first shows in the next turn only.
+    /// give way by at first shows in the next turn only, as do the tensions of held tendons.
     fn new(held: bool, softening: f64, known: bool) -> Self {
         Rounds {
             lag: if held { LAG_OF_HELD } else { LAG },
             slowest: (softening / PI.powi(2)).max(1.0 / LARGEST_REDUCTION),
-            unseen: if known { UNSEEN } else { 1.0 },
+            unseen: if known && !held { UNSEEN } else { 1.0 },
             last: None,
             left_out: 0.0,
             to_come: f64::INFINITY,

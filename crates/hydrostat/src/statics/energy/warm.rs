@@ -43,12 +43,13 @@ impl Search<'_> {
         }
         let Seen { tail, error_estimate, compression, .. } = self.energy.seen;
         let mut growth = (self.energy.coarse.tail(&self.energy.tables) / tail.max(SMALLEST_TAIL)).max(1.0);
+        let mut of_points = 0.0;
         if !self.energy.coarse.chords.is_empty() {
             // the backbone bends unevenly between guides as its force times what two points see
             growth = growth.max(self.compression() / compression);
+            let bows = self.energy.coarse.bows;
+            of_points = if bows { self.energy.error_of_points(false) } else { self.energy.lost_by_points() };
         }
-        let coarse = &self.energy.coarse;
-        let of_points = if coarse.bows { self.energy.error_of_points(false) } else { 0.0 };
         let grown = larger(error_estimate * growth * growth, of_points * self.chain.length);
         Some((end, grown + end.residual.min(target) * self.chain.length))
     }
