@@ -118,7 +118,8 @@ pub fn solve(robot: &Robot, settings: &Settings) -> Result<Equilibrium, Error> {
 }
 
 /// [`solve`], starting from the last solution in the workspace where it fits (same sections and the same
-/// places of loads): it follows the branch of that solution.
+/// places of loads): it follows the branch of that solution. A robot with guides whose shape was found from rest begins there again
+/// where its commands have changed much.
 ///
 /// # Errors
 /// As [`solve`].

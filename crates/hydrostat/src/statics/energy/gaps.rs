@@ -164,7 +164,7 @@ impl Gaps {
     }
 }
 
-/// J(w)^-1 a, theory (23), up to the fourth order in w.
+/// J(w)^-1 a, theory (24), up to the second order in w; the next is the fourth.
 fn inverse_jacobian(w: &Vector3<f64>, a: &Vector3<f64>) -> Vector3<f64> {
     let across = w.cross(a);
     a + 0.5 * across + w.cross(&across) / 12.0

@@ -64,7 +64,7 @@ struct Averaged {
     gaps: gaps::Gaps,
     /// What it leaves out; None where that is not known.
     measured: Option<averaged::Measured>,
-    /// Whether the last solution was found by way of it, and whether it has moved on from the gaps since.
+    /// Whether the last solution was found by way of it, and whether that is read off it, the gaps being where they were placed last.
     led: bool,
     holds_solution: bool,
 }
