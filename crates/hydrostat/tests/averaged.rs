@@ -72,7 +72,7 @@ fn estimate(found: &Equilibrium, robot: &Robot) -> f64 {
 fn even(index: usize) -> Option<Robot> {
     let mut robot = robustness::tendon_robot(17, index);
     for section in &mut robot.sections {
-        section.profile.tip = section.profile.base.clone();
+        section.profile.tip = section.profile.base;
         let positions = &mut section.guides.as_mut()?.positions;
         let count = positions.len();
         *positions = (1..=count).map(|k| section.length * k as f64 / count as f64).collect();
