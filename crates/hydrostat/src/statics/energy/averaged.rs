@@ -202,6 +202,7 @@ impl Energy {
         let Energy { tables, coarse, memory, .. } = self;
         let Memory { sweep, linear, .. } = memory;
         gaps.find_lacking(sweep, coarse, tables, &linear.downhill);
+        gaps.make_up(sweep, coarse, tables);
         gaps.share(coarse, averaged);
         gaps.give_way(coarse, sweep, tables);
         coarse.find_bows(tables, &linear.downhill, &mut linear.bows);

@@ -74,7 +74,7 @@ impl Gaps {
         }
     }
 
-    /// What the strains of every node fall short by, theory (68) and (70), from minus the gradient.
+    /// What the strains of every node fall short by, theory (68), from minus the gradient.
     pub(super) fn find_lacking(&mut self, sweep: &Sweep, mesh: &Mesh, tables: &Tables, downhill: &Column) {
         self.lacking.clear();
         self.lacking.resize(mesh.data.len(), Wrench::default());
@@ -98,21 +98,30 @@ impl Gaps {
                 // J(w)^T = J(-w)
                 *turn = sweep.shapes[node].rotation * inverse_jacobian(&-mesh.turn[node], turn);
             }
-            let top = mesh.highest_bend(panel, table, sweep);
-            let lost = lost_by_sums(points) * panel.length * panel.length;
             for (local, node) in panel.nodes.clone().enumerate() {
                 let rows = table.to_point.chunks_exact(points);
                 let sum: Vector3<f64> = rows.zip(&turns).map(|(row, turn)| row[local] * turn).sum();
                 let moment = sweep.shapes[node].rotation.tr_mul(&sum) / table.weights[local];
-                // the highest polynomial's value there
-                let value = table.top_of_rate[local] / ((2 * points - 1) as f64 * table.weights[local]);
-                let compression = -sweep.locals[node].force().z;
-                let moment = moment + lost * compression * value * Vector3::new(top.x, top.y, 0.0);
                 self.lacking[node] = [forms[local].v / mesh.data[node].weight, moment];
             }
             beyond += mesh.rotations[k] * forms.iter().map(|form| form.start).sum::<Vector3<f64>>();
             if let Some(gap) = panel.gap.filter(|_| mesh.begins_gap(k)) {
                 beyond += mesh.rotations[k] * downhill.gaps[gap][1];
+            }
+        }
+    }
+
+    /// Makes up for what the sums over the points lose of the force along the backbone, theory (70).
+    pub(super) fn make_up(&mut self, sweep: &Sweep, mesh: &Mesh, tables: &Tables) {
+        for panel in &mesh.panels {
+            let (table, points) = (tables.of(panel.nodes.len()), panel.nodes.len());
+            let top = mesh.highest_bend(panel, table, sweep);
+            let lost = lost_by_sums(points) * panel.length * panel.length;
+            for (local, node) in panel.nodes.clone().enumerate() {
+                // the highest polynomial's value there
+                let value = table.top_of_rate[local] / ((2 * points - 1) as f64 * table.weights[local]);
+                let compression = -sweep.locals[node].force().z;
+                self.lacking[node][1] += lost * compression * value * Vector3::new(top.x, top.y, 0.0);
             }
         }
     }
