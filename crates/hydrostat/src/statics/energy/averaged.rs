@@ -1,12 +1,12 @@
 //! Robots with guides by way of the averaged robot, theory (67) to (70): it finds the shape, the gaps show what it leaves out.
 
+use super::bow::points_for;
 use super::gaps::Gaps;
-use super::mesh::{Layout, Mesh, Panel};
+use super::mesh::{Layout, Mesh};
 use super::newton::{Begin, Converged, Equations};
 use super::search::{FINE_TOLERANCE, Found, SAFETY, Search, Seen, Start};
 use super::{Averaged, Energy, Memory};
 use crate::Robot;
-use crate::numeric::collocation::FEWEST;
 use crate::numeric::larger;
 use crate::statics::chain::Chain;
 use nalgebra::{Matrix3, Vector3};
@@ -38,8 +38,8 @@ const LEAST_MOVED: f64 = 1e-4;
 const FARTHEST: f64 = 0.15;
 /// A robot that bends less, rad, has not shown how it drifts.
 const LEAST_BEND: f64 = 1e-3;
-/// Sum of the tensions times h^2/K up to which gaps are averaged; from pi^2 on a gap buckles.
-const MOST_SOFTENED: f64 = 6.0;
+/// Force times h^2/K up to which gaps are averaged: what (67) leaves out of their softening is s^3/30240 of the stiffness.
+const MOST_SOFTENED: f64 = 2.0;
 /// Bending in the gaps may be so many times that of the averaged robot, and is compared where this is above so much of the largest.
 const MOST_MORE: f64 = 2.0;
 const NEXT_TO_NOTHING: f64 = 1e-3;
@@ -325,12 +325,14 @@ impl Search<'_> {
         mut before: Option<Measured>,
     ) -> Option<(Converged, Measured)> {
         let (length, asked) = (self.chain.length, self.settings.tolerance * self.chain.length);
-        if before.is_none() {
-            self.begin_gaps(averaged, gaps, FEWEST)?;
-        }
-        let softening = self.softening(&averaged.energy.memory.drive.tensions);
+        let softening = self.softening(averaged.compression());
         if softening > MOST_SOFTENED {
             return None;
+        }
+        let points = points_for(softening);
+        if before.is_none() || self.energy.layouts[0].points < points {
+            before = None;
+            self.begin_gaps(averaged, gaps, points)?;
         }
         let held = !self.energy.memory.drive.held.is_empty();
         let mut now = before.clone().unwrap_or_default();
@@ -389,14 +391,6 @@ impl Search<'_> {
         let most = of_averaged.iter().fold(Largest::default(), Largest::or);
         let pairs = of(self.energy, self.chain).into_iter().zip(of_averaged);
         pairs.map(|(gaps, of)| gaps.over(&of, &most)).collect()
-    }
-
-    /// Largest sum of the tensions times h^2/K in a gap: at pi^2 it buckles between its guides, which the averaged robot would not show.
-    fn softening(&self, tensions: &[f64]) -> f64 {
-        let Energy { coarse, .. } = &*self.energy;
-        let flexibility =
-            |panel: &Panel| panel.length * panel.length / coarse.data[panel.nodes.start].bend.min();
-        tensions.iter().sum::<f64>() * coarse.panels.iter().map(flexibility).fold(0.0, larger)
     }
 
     /// Lays panels of so many points in the gaps, and lets these give way as far as they do without moving anything. None where they turn

@@ -10,6 +10,7 @@ use super::{Energy, Memory};
 use crate::model::Routing;
 use crate::numeric::collocation::{Collocation, FEWEST};
 use crate::numeric::larger;
+use crate::statics::span::Span;
 use nalgebra::Vector3;
 
 /// Panels that turn further are not described by bows alone, rad.
@@ -29,11 +30,31 @@ impl Search<'_> {
         straight && uniform && !self.robot.tendons.is_empty() && !self.rubs()
     }
 
+    /// Largest force times h^2/K in a gap, under so much force: at pi^2 it buckles between its guides.
+    pub(super) fn softening(&self, force: f64) -> f64 {
+        let flexibility = |span: &Span| {
+            let (_, bend) = span.stiffness(self.robot, span.from);
+            (span.to - span.from).powi(2) / bend.min()
+        };
+        force * self.chain.spans.iter().map(flexibility).fold(0.0, larger)
+    }
+
+    /// Whether the points of every panel see how the gap softens, which a straight backbone does not show.
+    pub(super) fn sees_softening(&self) -> bool {
+        let Energy { coarse, .. } = &*self.energy;
+        let fewest = coarse.panels.iter().map(|panel| panel.nodes.len()).min();
+        coarse.chords.is_empty()
+            || fewest.is_some_and(|fewest| fewest >= points_for(self.softening(self.compression())))
+    }
+
     /// Whether the shape at hand is one whose panels bows describe.
     pub(super) fn may_bow(&self) -> bool {
         let Energy { tables, coarse, .. } = &*self.energy;
         let fits = |panel: &Panel| panel.nodes.len() == FEWEST && panel.gap.is_some();
-        self.bows_alone() && coarse.panels.iter().all(fits) && coarse.largest_turn(tables) <= MOST_BOWED
+        self.bows_alone()
+            && self.sees_softening()
+            && coarse.panels.iter().all(fits)
+            && coarse.largest_turn(tables) <= MOST_BOWED
     }
 
     /// Lets every panel bow, from the solution without. Returns the estimated error, too, by how much that has moved the shape; None where
@@ -126,6 +147,20 @@ struct Highest {
     lost: f64,
     lost_of_bows: f64,
     still_lost: f64,
+}
+
+/// Points that see how a gap softens, s being the force times h^2/K, to 1e-4 of its stiffness: two leave out s^2/720, three
+/// s^3/100800, four s^4/(9 1680^2).
+pub(super) fn points_for(softening: f64) -> usize {
+    if softening <= 0.25 {
+        2
+    } else if softening <= 2.0 {
+        3
+    } else if softening <= 6.0 {
+        4
+    } else {
+        5
+    }
 }
 
 /// Part of force h^2/K times the elastic energy of the highest coefficient that the sums over so many points lose, theory (70).

@@ -319,7 +319,8 @@ impl Equations<'_> {
                 first_contraction = first_contraction.or(Some(contraction));
             }
             // the step is taken; the next one would be too small to matter
-            let next = (SLOWER * contraction).min(SHRINKING);
+            // steps may cancel with factors of elsewhere where the residual has not shrunk as much
+            let next = (SLOWER * larger(contraction, residual / last_residual)).min(SHRINKING);
             let ahead = match (reused, first) {
                 (true, true) => f64::INFINITY,
                 (true, false) => correction * next,
