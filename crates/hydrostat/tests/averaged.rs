@@ -2,7 +2,7 @@
 
 use hydrostat::description::parse_robot;
 use hydrostat::model::{Command, Frame, Load, LoadKind, Motion, Routing};
-use hydrostat::statics::{Settings, Workspace, solve, solve_near};
+use hydrostat::statics::{Input, Settings, Workspace, derivatives, solve, solve_in, solve_near};
 use hydrostat::validate::robustness;
 use hydrostat::{Equilibrium, Robot};
 use nalgebra::Vector3;
@@ -213,5 +213,41 @@ fn a_robot_beyond_buckling_is_not_loaded_at_once() {
         let found = solve(&robot, &to(tolerance)).expect("has an answer");
         let far = off(&found, &exact, &robot);
         assert!(far <= tolerance, "{tolerance:e}: off by {far:.1e}");
+    }
+}
+
+/// A straight robot shows nothing of how its tensions soften it: its stability and derivatives do.
+#[test]
+fn a_straight_robot_softens_at_any_tolerance() {
+    let mut robot = read(SCR);
+    for (tension, stable) in [(20.0, true), (100.0, true), (300.0, true), (320.0, false)] {
+        pull(&mut robot, &[tension; 3]);
+        let [exact, found] = [1e-10, 1e-6].map(|tolerance| {
+            let mut workspace = Workspace::default();
+            let settings = Settings { eigenvalue: true, ..to(tolerance) };
+            let found = solve_in(&robot, &settings, &mut workspace).expect("has an answer");
+            assert_eq!(found.report.stable, Some(stable), "{tension} N, {tolerance:e}");
+            let compliance = derivatives(&robot, &mut workspace, &[robot.length()], &Input::tip_wrench());
+            (found.report.smallest_eigenvalue.expect("is asked for"), compliance.expect("is regular"))
+        });
+        assert!((exact.0 - found.0).abs() < 5e-3, "{tension} N: eigenvalues {} {}", exact.0, found.0);
+        let [exact, found] = [exact, found].map(|(_, compliance)| compliance[0].poses[0].position.norm());
+        if tension <= 100.0 {
+            assert!((exact / found - 1.0).abs() < 5e-3, "{tension} N: compliances {exact} {found}");
+        }
+    }
+}
+
+/// Steps with factors of elsewhere that happen to cancel are not the end of the way.
+#[test]
+fn balanced_tensions_in_turn_are_as_accurate_as_they_say() {
+    let mut robot = read(SCR);
+    let mut workspace = Workspace::default();
+    for tensions in [[164.986, 166.498, 165.269], [160.681, 161.698, 161.881], [180.9, 182.96, 181.218]] {
+        pull(&mut robot, &tensions);
+        let found = solve_near(&robot, &to_tip(1e-6), &mut workspace).expect("has an answer");
+        let exact = solve(&robot, &to_tip(1e-10)).expect("has an answer");
+        let (far, says) = (off(&found, &exact, &robot), estimate(&found, &robot));
+        assert!(far <= says && says <= 1e-6, "{tensions:?}: off by {far:.1e}, says {says:.1e}");
     }
 }
