@@ -60,6 +60,8 @@ pub(super) const NEAR: f64 = 0.05;
 const SHRINKING: f64 = 0.1;
 /// How much slower than the last step with the same factors the next may be.
 const SLOWER: f64 = 4.0;
+/// Residual over correction from which on a step is taken to have cancelled.
+const CANCELLED: f64 = 5.0;
 
 /// What Newton's method begins with.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -319,8 +321,10 @@ impl Equations<'_> {
                 first_contraction = first_contraction.or(Some(contraction));
             }
             // the step is taken; the next one would be too small to matter
-            // steps may cancel with factors of elsewhere where the residual has not shrunk as much
-            let next = (SLOWER * larger(contraction, residual / last_residual)).min(SHRINKING);
+            // steps may cancel with factors of elsewhere, which the residual shows
+            let cancels = residual > CANCELLED * correction;
+            let shrinks = if cancels { larger(contraction, residual / last_residual) } else { contraction };
+            let next = (SLOWER * shrinks).min(SHRINKING);
             let ahead = match (reused, first) {
                 (true, true) => f64::INFINITY,
                 (true, false) => correction * next,
