@@ -68,6 +68,13 @@ fn estimate(found: &Equilibrium, robot: &Robot) -> f64 {
     found.report.error_estimate / robot.length()
 }
 
+/// A solution is off by no more than it says, and that is no more than was asked.
+fn check(what: &str, robot: &Robot, exact: &Equilibrium, asked: &Settings) {
+    let found = solve(robot, asked).expect("has an answer");
+    let (far, says, tolerance) = (off(&found, exact, robot), estimate(&found, robot), asked.tolerance);
+    assert!(far <= says && says <= tolerance, "{what}, {tolerance:e}: off by {far:.1e}, says {says:.1e}");
+}
+
 /// A random robot with its guides spread evenly, so that it may be averaged; None where a section has no guides.
 fn even(index: usize) -> Option<Robot> {
     let mut robot = robustness::tendon_robot(17, index);
@@ -141,15 +148,10 @@ fn softened_gaps_are_as_accurate_as_they_say() {
             pull(&mut robot, &[rest + pulls, rest, rest]);
             push_tip(&mut robot, force.into(), Vector3::zeros());
             let exact = solve(&robot, &to(1e-10)).expect("has an answer");
+            let what = format!("{guides} guides, {softening}");
             for tolerance in [1e-3, 1e-4, 1e-5, 1e-6] {
-                for found in [to(tolerance), to_tip(tolerance), in_gaps(tolerance)] {
-                    let found = solve(&robot, &found).expect("has an answer");
-                    let (far, says) = (off(&found, &exact, &robot), estimate(&found, &robot));
-                    assert!(
-                        far <= says && says <= tolerance,
-                        "{guides} guides, {softening}, {tolerance:e}: off by {far:.1e}, says {says:.1e}"
-                    );
-                }
+                let ways = [to(tolerance), to_tip(tolerance), in_gaps(tolerance)];
+                ways.iter().for_each(|way| check(&what, &robot, &exact, way));
             }
         }
     }
@@ -184,15 +186,9 @@ fn an_s_is_as_accurate_as_it_says() {
             }
             let robot = pushed(less);
             let exact = solve(&robot, &to(1e-10)).expect("has an answer");
+            let what = format!("{guides} guides");
             for tolerance in [1e-4, 1e-6, 1e-7] {
-                for found in [to(tolerance), to_tip(tolerance)] {
-                    let found = solve(&robot, &found).expect("has an answer");
-                    let (far, says) = (off(&found, &exact, &robot), estimate(&found, &robot));
-                    assert!(
-                        far <= says && says <= tolerance,
-                        "{guides} guides, {tolerance:e}: off by {far:.1e}, says {says:.1e}"
-                    );
-                }
+                [to(tolerance), to_tip(tolerance)].iter().for_each(|way| check(&what, &robot, &exact, way));
             }
         }
     }
@@ -230,11 +226,9 @@ fn a_straight_robot_softens_at_any_tolerance() {
             let compliance = derivatives(&robot, &mut workspace, &[robot.length()], &Input::tip_wrench());
             (found.report.smallest_eigenvalue.expect("is asked for"), compliance.expect("is regular"))
         });
-        assert!((exact.0 - found.0).abs() < 5e-3, "{tension} N: eigenvalues {} {}", exact.0, found.0);
+        assert!((exact.0 - found.0).abs() < 1e-3, "{tension} N: eigenvalues {} {}", exact.0, found.0);
         let [exact, found] = [exact, found].map(|(_, compliance)| compliance[0].poses[0].position.norm());
-        if tension <= 100.0 {
-            assert!((exact / found - 1.0).abs() < 5e-3, "{tension} N: compliances {exact} {found}");
-        }
+        assert!((exact / found - 1.0).abs() < 5e-3, "{tension} N: compliances {exact} {found}");
     }
 }
 

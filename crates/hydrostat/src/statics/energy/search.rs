@@ -196,7 +196,7 @@ impl<'a> Search<'a> {
             let straight = !self.energy.coarse.chords.is_empty();
             let lost = if straight { self.energy.lost_by_points() * self.chain.length } else { 0.0 };
             let error_estimate = SAFETY * difference / (reduction - 1.0) + lost + rounding;
-            if error_estimate <= tolerance * self.chain.length {
+            if error_estimate <= tolerance * self.chain.length && self.sees_softening() {
                 let before = SAFETY * difference + rounding;
                 self.energy.seen = Seen {
                     tail: finer,

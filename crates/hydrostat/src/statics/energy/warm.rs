@@ -50,6 +50,9 @@ impl Search<'_> {
             let bows = self.energy.coarse.bows;
             of_points = if bows { self.energy.error_of_points(false) } else { self.energy.lost_by_points() };
         }
+        if !self.sees_softening() {
+            return Some((end, f64::INFINITY));
+        }
         let grown = larger(error_estimate * growth * growth, of_points * self.chain.length);
         Some((end, grown + end.residual.min(target) * self.chain.length))
     }
